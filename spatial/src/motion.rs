@@ -1,0 +1,195 @@
+//! Motion of a frame, and its reconstruction between and beyond the ticks at which it is known.
+
+use crate::{Pose, rotation};
+use nalgebra::Vector3;
+
+/// Pose of a frame in r with its first two derivatives, all expressed in r.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// `r_from_a`.
+    pub pose: Pose,
+    /// Velocity of the origin, m/s.
+    pub velocity: Vector3<f64>,
+    /// Angular velocity, rad/s.
+    pub angular_velocity: Vector3<f64>,
+    /// Acceleration of the origin, m/s^2.
+    pub acceleration: Vector3<f64>,
+    /// Angular acceleration, rad/s^2.
+    pub angular_acceleration: Vector3<f64>,
+}
+
+impl Motion {
+    /// At rest at `pose`.
+    pub fn at_rest(pose: Pose) -> Self {
+        Self {
+            pose,
+            velocity: Vector3::zeros(),
+            angular_velocity: Vector3::zeros(),
+            acceleration: Vector3::zeros(),
+            angular_acceleration: Vector3::zeros(),
+        }
+    }
+
+    /// The motion `time` s later if the accelerations stay as they are.
+    pub fn extrapolate(&self, time: f64) -> Self {
+        let half = 0.5 * time * time;
+        let turn = self.angular_velocity * time + self.angular_acceleration * half;
+        let shift = self.velocity * time + self.acceleration * half;
+        Self {
+            pose: Pose::from_parts(
+                (self.pose.translation.vector + shift).into(),
+                rotation::exp(turn) * self.pose.rotation,
+            ),
+            velocity: self.velocity + self.acceleration * time,
+            angular_velocity: self.angular_velocity + self.angular_acceleration * time,
+            ..*self
+        }
+    }
+}
+
+/// The motion between two instants at which it is known: quintic Hermite interpolation.
+///
+/// Position and rotation vector (from the start's orientation) are the polynomials of fifth degree that meet
+/// value, first and second derivative at both ends.
+#[derive(Clone, Copy, Debug)]
+pub struct MotionSegment {
+    start: Motion,
+    duration: f64,
+    position: [Vector3<f64>; 6],
+    turn: [Vector3<f64>; 6],
+}
+
+impl MotionSegment {
+    /// The segment of `duration` s from `start` to `end`, which is turned by less than pi against it.
+    pub fn new(start: Motion, end: Motion, duration: f64) -> Self {
+        let turned = rotation::log(&(end.pose.rotation * start.pose.rotation.inverse()));
+        // In the coordinates v of Exp(v): w = J(v) v', hence v' = J^-1 w. The derivative of J is
+        // neglected in v'': it is of second order in the turn within one segment.
+        let inverse = rotation::left_jacobian_inverse(turned);
+        Self {
+            start,
+            duration,
+            position: quintic(
+                [Vector3::zeros(), start.velocity, start.acceleration],
+                [
+                    end.pose.translation.vector - start.pose.translation.vector,
+                    end.velocity,
+                    end.acceleration,
+                ],
+                duration,
+            ),
+            turn: quintic(
+                [
+                    Vector3::zeros(),
+                    start.angular_velocity,
+                    start.angular_acceleration,
+                ],
+                [
+                    turned,
+                    inverse * end.angular_velocity,
+                    inverse * end.angular_acceleration,
+                ],
+                duration,
+            ),
+        }
+    }
+
+    /// Pose and velocities `time` s after the segment's start, 0 <= `time` <= duration; accelerations likewise.
+    pub fn at(&self, time: f64) -> Motion {
+        let s = time / self.duration;
+        let (shift, velocity, acceleration) = evaluate(&self.position, s, self.duration);
+        let (turn, rate, rate_change) = evaluate(&self.turn, s, self.duration);
+        let jacobian = rotation::left_jacobian(turn);
+        Motion {
+            pose: Pose::from_parts(
+                (self.start.pose.translation.vector + shift).into(),
+                rotation::exp(turn) * self.start.pose.rotation,
+            ),
+            velocity,
+            angular_velocity: jacobian * rate,
+            acceleration,
+            angular_acceleration: jacobian * rate_change,
+        }
+    }
+}
+
+/// Coefficients, in s = t / duration, of the quintic through value, first and second derivative at both ends.
+fn quintic(start: [Vector3<f64>; 3], end: [Vector3<f64>; 3], duration: f64) -> [Vector3<f64>; 6] {
+    let [p0, v0, a0] = [start[0], start[1] * duration, start[2] * (duration * duration)];
+    let [p1, v1, a1] = [end[0], end[1] * duration, end[2] * (duration * duration)];
+    let gap = p1 - p0 - v0 - a0 * 0.5;
+    let gap_rate = v1 - v0 - a0;
+    let gap_change = a1 - a0;
+    [
+        p0,
+        v0,
+        a0 * 0.5,
+        gap * 10.0 - gap_rate * 4.0 + gap_change * 0.5,
+        gap * -15.0 + gap_rate * 7.0 - gap_change,
+        gap * 6.0 - gap_rate * 3.0 + gap_change * 0.5,
+    ]
+}
+
+fn evaluate(c: &[Vector3<f64>; 6], s: f64, duration: f64) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
+    let value = c[0] + (c[1] + (c[2] + (c[3] + (c[4] + c[5] * s) * s) * s) * s) * s;
+    let rate = c[1] + (c[2] * 2.0 + (c[3] * 3.0 + (c[4] * 4.0 + c[5] * (5.0 * s)) * s) * s) * s;
+    let change = c[2] * 2.0 + (c[3] * 6.0 + (c[4] * 12.0 + c[5] * (20.0 * s)) * s) * s;
+    (value, rate / duration, change / (duration * duration))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A frame that swings along and about several axes.
+    fn swing(t: f64) -> Motion {
+        let (w, u) = (60.0, 40.0);
+        let axis = Vector3::new(0.6, -0.48, 0.64);
+        let angle = 0.02 * libm::sin(u * t);
+        let rate = 0.02 * u * libm::cos(u * t);
+        let change = -0.02 * u * u * libm::sin(u * t);
+        let amplitude = Vector3::new(1e-3, 2e-3, -3e-3);
+        Motion {
+            pose: Pose::from_parts((amplitude * libm::sin(w * t)).into(), rotation::exp(axis * angle)),
+            velocity: amplitude * (w * libm::cos(w * t)),
+            angular_velocity: axis * rate,
+            acceleration: amplitude * (-w * w * libm::sin(w * t)),
+            angular_acceleration: axis * change,
+        }
+    }
+
+    fn distance(a: &Motion, b: &Motion) -> f64 {
+        let turn = rotation::log(&(a.pose.rotation * b.pose.rotation.inverse()));
+        (a.pose.translation.vector - b.pose.translation.vector).norm() + turn.norm()
+    }
+
+    #[test]
+    fn a_segment_meets_both_ends() {
+        let (start, end) = (swing(0.010), swing(0.011));
+        let segment = MotionSegment::new(start, end, 0.001);
+        for (given, found) in [(start, segment.at(0.0)), (end, segment.at(0.001))] {
+            assert!(distance(&given, &found) < 1e-15);
+            assert!((given.velocity - found.velocity).norm() < 1e-12);
+            assert!((given.angular_velocity - found.angular_velocity).norm() < 1e-12);
+            assert!((given.acceleration - found.acceleration).norm() < 1e-8);
+            assert!((given.angular_acceleration - found.angular_acceleration).norm() < 1e-8);
+        }
+    }
+
+    #[test]
+    fn a_segment_errs_with_the_sixth_power_of_its_length() {
+        let error = |duration: f64| {
+            let segment = MotionSegment::new(swing(0.010), swing(0.010 + duration), duration);
+            distance(&segment.at(0.5 * duration), &swing(0.010 + 0.5 * duration))
+        };
+        assert!(error(0.001) < 1e-12, "{}", error(0.001));
+        assert!(error(0.008) / error(0.004) > 50.0);
+    }
+
+    #[test]
+    fn extrapolation_errs_with_the_third_power_of_time() {
+        let error = |time: f64| distance(&swing(0.010).extrapolate(time), &swing(0.010 + time));
+        let ratio = error(0.002) / error(0.001);
+        assert!((6.0..10.0).contains(&ratio), "{ratio}");
+    }
+}

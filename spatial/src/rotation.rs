@@ -1,0 +1,122 @@
+//! Rotations as rotation vectors: the exponential map of SO(3), its inverse and its Jacobian.
+
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+
+/// The rotation by |v| about v (rad): Exp of SO(3), `(cos |v|/2, sin(|v|/2) v/|v|)`.
+pub fn exp(v: Vector3<f64>) -> UnitQuaternion<f64> {
+    let half = 0.5 * v.norm();
+    let (sine, cosine) = libm::sincos(half);
+    // Below 1e-8 the sine is its argument to within rounding.
+    let factor = if half < 1e-8 { 0.5 } else { 0.5 * sine / half };
+    UnitQuaternion::new_unchecked(Quaternion::from_parts(cosine, v * factor))
+}
+
+/// The rotation vector (rad, |v| <= pi) of a rotation: Log of SO(3).
+///
+/// Evaluated as `2 atan2(|q_v|, |q_w|) q_v / |q_v|`, which keeps full relative accuracy near zero.
+pub fn log(rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
+    let q = rotation.quaternion();
+    let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
+    let vector = q.imag() * sign;
+    let sine = vector.norm();
+    if sine < 1e-12 {
+        // atan2(x, c) = x / c to within x^2 / 3, below rounding here.
+        return vector * (2.0 / (q.w * sign));
+    }
+    vector * (2.0 * libm::atan2(sine, q.w * sign) / sine)
+}
+
+/// The matrix of the cross product, `skew(a) b = a x b`.
+pub fn skew(a: Vector3<f64>) -> Matrix3<f64> {
+    a.cross_matrix()
+}
+
+/// The left Jacobian J of Exp: the angular velocity, in the fixed frame, of `Exp(v(t))` is `J(v) dv/dt`.
+///
+/// `J = I + (1 - cos a)/a^2 [v] + (a - sin a)/a^3 [v]^2` with `a = |v|`
+/// (e.g. Barfoot, State Estimation for Robotics, eq. 7.77).
+pub fn left_jacobian(v: Vector3<f64>) -> Matrix3<f64> {
+    let square = v.norm_squared();
+    let k = skew(v);
+    let (first, second) = if square < 1e-4 {
+        // Taylor series: the closed forms cancel here; the next terms are below 1e-16.
+        (
+            0.5 - square / 24.0 + square * square / 720.0,
+            1.0 / 6.0 - square / 120.0 + square * square / 5040.0,
+        )
+    } else {
+        let angle = square.sqrt();
+        let (sine, cosine) = libm::sincos(angle);
+        ((1.0 - cosine) / square, (angle - sine) / (square * angle))
+    };
+    Matrix3::identity() + k * first + k * k * second
+}
+
+/// The inverse of [`left_jacobian`], for |v| < 2 pi.
+///
+/// `J^-1 = I - [v]/2 + (1/a^2 - (1 + cos a)/(2 a sin a)) [v]^2`.
+pub fn left_jacobian_inverse(v: Vector3<f64>) -> Matrix3<f64> {
+    let square = v.norm_squared();
+    let k = skew(v);
+    let second = if square < 1e-4 {
+        1.0 / 12.0 + square / 720.0 + square * square / 30240.0
+    } else {
+        let half = 0.5 * square.sqrt();
+        let (sine, cosine) = libm::sincos(half);
+        (1.0 - half * cosine / sine) / square
+    };
+    Matrix3::identity() - k * 0.5 + k * k * second
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn vector(limit: f64) -> impl Strategy<Value = Vector3<f64>> {
+        [-limit..limit, -limit..limit, -limit..limit].prop_map(Vector3::from)
+    }
+
+    proptest! {
+        #[test]
+        fn log_inverts_exp(v in vector(1.8)) {
+            prop_assert!((log(&exp(v)) - v).norm() < 1e-13 * (1.0 + v.norm()));
+        }
+
+        #[test]
+        fn log_inverts_exp_of_tiny_rotations(v in vector(1.0), exponent in 0..16) {
+            let v = v * libm::pow(10.0, -f64::from(exponent));
+            prop_assert!((log(&exp(v)) - v).norm() <= 1e-14 * v.norm());
+        }
+
+        #[test]
+        fn log_takes_the_short_way(v in vector(1.8)) {
+            let far = UnitQuaternion::new_unchecked(-exp(v).into_inner());
+            prop_assert!((log(&far) - v).norm() < 1e-13 * (1.0 + v.norm()));
+        }
+
+        #[test]
+        fn left_jacobian_is_the_derivative_of_exp(v in vector(1.7), d in vector(1.0)) {
+            let h = 1e-6;
+            let turn = exp(v + d * h) * exp(v - d * h).inverse();
+            let numeric = log(&turn) / (2.0 * h);
+            prop_assert!((left_jacobian(v) * d - numeric).norm() < 1e-8);
+        }
+
+        #[test]
+        fn left_jacobian_inverse_inverts(v in vector(1.8), scale in prop_oneof![Just(1.0), Just(1e-2), Just(1e-5)]) {
+            let v = v * scale;
+            let product = left_jacobian(v) * left_jacobian_inverse(v);
+            prop_assert!((product - Matrix3::identity()).norm() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn series_and_closed_form_meet() {
+        let v = Vector3::new(0.006, -0.006, 0.005_291_5);
+        let below = v * (0.999_999 * 0.01 / v.norm());
+        let above = v * (1.000_001 * 0.01 / v.norm());
+        assert!((left_jacobian(below) - left_jacobian(above)).norm() < 1e-7);
+        assert!((left_jacobian_inverse(below) - left_jacobian_inverse(above)).norm() < 1e-7);
+    }
+}

@@ -1,0 +1,101 @@
+//! The compliant element between the robot's last link and the tool plate.
+//!
+//! Both simulators evaluate it, each with its own side integrated and the other side's motion received
+//! (PLANT.md section 4): the one piece of physics that lies on the border between two processes.
+
+use crate::{Motion, Wrench, rotation};
+use nalgebra::Vector3;
+
+/// A linear visco-elastic suspension of the tool plate (frame s') on the last link (frame s).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolSuspension {
+    /// Translational stiffness K_p, N/m.
+    pub stiffness_n_per_m: f64,
+    /// Rotational stiffness K_phi, Nm/rad.
+    pub stiffness_nm_per_rad: f64,
+    /// Translational damping D_p, N s/m.
+    pub damping_ns_per_m: f64,
+    /// Rotational damping D_phi, Nm s/rad.
+    pub damping_nms_per_rad: f64,
+}
+
+impl ToolSuspension {
+    /// The wrench on the tool at s', in r, from the motions of the link's frame s and of the tool plate s1.
+    ///
+    /// With `p = R_s^T (p_s1 - p_s)`, `phi = Log(R_s^T R_s1)` and their rates seen in s:
+    /// `F = R_s (-K_p p - D_p pdot)`, `T = R_s (-K_phi phi - D_phi w_rel)` (PLANT.md section 1).
+    /// K_phi is isotropic, hence T is the exact gradient of `K_phi |phi|^2 / 2` and energy is conserved.
+    pub fn wrench_on_tool(&self, link: &Motion, plate: &Motion) -> Wrench {
+        let into_s = link.pose.rotation.inverse();
+        let lever = plate.pose.translation.vector - link.pose.translation.vector;
+        let p = into_s * lever;
+        let p_rate = into_s * (plate.velocity - link.velocity - link.angular_velocity.cross(&lever));
+        let phi = rotation::log(&(into_s * plate.pose.rotation));
+        let w_rel = into_s * (plate.angular_velocity - link.angular_velocity);
+        let force = -self.stiffness_n_per_m * p - self.damping_ns_per_m * p_rate;
+        let moment = -self.stiffness_nm_per_rad * phi - self.damping_nms_per_rad * w_rel;
+        Wrench {
+            force: link.pose.rotation * force,
+            moment: link.pose.rotation * moment,
+        }
+    }
+
+    /// The elastic energy stored, J.
+    pub fn energy(&self, link: &Motion, plate: &Motion) -> f64 {
+        let lever: Vector3<f64> = plate.pose.translation.vector - link.pose.translation.vector;
+        let phi = rotation::log(&(link.pose.rotation.inverse() * plate.pose.rotation));
+        0.5 * (self.stiffness_n_per_m * lever.norm_squared() + self.stiffness_nm_per_rad * phi.norm_squared())
+    }
+
+    /// The power that the dampers dissipate, W.
+    pub fn dissipation(&self, link: &Motion, plate: &Motion) -> f64 {
+        let lever = plate.pose.translation.vector - link.pose.translation.vector;
+        let p_rate = plate.velocity - link.velocity - link.angular_velocity.cross(&lever);
+        let w_rel = plate.angular_velocity - link.angular_velocity;
+        self.damping_ns_per_m * p_rate.norm_squared() + self.damping_nms_per_rad * w_rel.norm_squared()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pose;
+
+    #[test]
+    fn the_wrench_is_the_gradient_of_the_energy() {
+        let suspension = ToolSuspension {
+            stiffness_n_per_m: 300e3,
+            stiffness_nm_per_rad: 401.07,
+            damping_ns_per_m: 0.0,
+            damping_nms_per_rad: 0.0,
+        };
+        let link = Motion::at_rest(pose(Vector3::new(0.2, -0.1, 0.5), Vector3::new(0.3, 0.8, -0.4)));
+        let plate_at = |dp: Vector3<f64>, dphi: Vector3<f64>| {
+            let mut plate = link;
+            plate.pose.translation.vector += Vector3::new(1e-4, -2e-4, 3e-4) + dp;
+            plate.pose.rotation =
+                rotation::exp(dphi) * rotation::exp(Vector3::new(0.02, -0.03, 0.01)) * plate.pose.rotation;
+            plate
+        };
+        let wrench = suspension.wrench_on_tool(&link, &plate_at(Vector3::zeros(), Vector3::zeros()));
+        let h = 1e-6;
+        for axis in 0..3 {
+            let d = Vector3::ith(axis, h);
+            let slope = |minus: Motion, plus: Motion| {
+                (suspension.energy(&link, &plus) - suspension.energy(&link, &minus)) / (2.0 * h)
+            };
+            let force = -slope(plate_at(-d, Vector3::zeros()), plate_at(d, Vector3::zeros()));
+            let moment = -slope(plate_at(Vector3::zeros(), -d), plate_at(Vector3::zeros(), d));
+            assert!(
+                (wrench.force[axis] - force).abs() < 1e-4,
+                "{} {force}",
+                wrench.force[axis]
+            );
+            assert!(
+                (wrench.moment[axis] - moment).abs() < 1e-6,
+                "{} {moment}",
+                wrench.moment[axis]
+            );
+        }
+    }
+}
