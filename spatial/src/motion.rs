@@ -47,57 +47,37 @@ impl Motion {
     }
 }
 
-/// The motion between two instants at which it is known: quintic Hermite interpolation.
+/// The motion between two instants at which it is known: cubic Hermite interpolation of position and velocity.
 ///
-/// Position and rotation vector (from the start's orientation) are the polynomials of fifth degree that meet
-/// value, first and second derivative at both ends.
+/// Exact for a constant acceleration within the segment, whatever jump lies at its ends: a servo holds its
+/// output over a tick, so the accelerations *at* the ends would be those of the neighbouring ticks.
 #[derive(Clone, Copy, Debug)]
 pub struct MotionSegment {
     start: Motion,
     duration: f64,
-    position: [Vector3<f64>; 6],
-    turn: [Vector3<f64>; 6],
+    shift: [Vector3<f64>; 3],
+    turn: [Vector3<f64>; 3],
 }
 
 impl MotionSegment {
     /// The segment of `duration` s from `start` to `end`, which is turned by less than pi against it.
     pub fn new(start: Motion, end: Motion, duration: f64) -> Self {
-        let turned = rotation::log(&(end.pose.rotation * start.pose.rotation.inverse()));
-        // In the coordinates v of Exp(v): w = J(v) v', hence v' = J^-1 w. The derivative of J is
-        // neglected in v'': it is of second order in the turn within one segment.
-        let inverse = rotation::left_jacobian_inverse(turned);
+        let shift = end.pose.translation.vector - start.pose.translation.vector;
+        let turn = rotation::log(&(end.pose.rotation * start.pose.rotation.inverse()));
+        // In the coordinates v of Exp(v): w = J(v) v', hence v' = J^-1 w.
+        let turn_rate = rotation::left_jacobian_inverse(turn) * end.angular_velocity;
         Self {
             start,
             duration,
-            position: quintic(
-                [Vector3::zeros(), start.velocity, start.acceleration],
-                [
-                    end.pose.translation.vector - start.pose.translation.vector,
-                    end.velocity,
-                    end.acceleration,
-                ],
-                duration,
-            ),
-            turn: quintic(
-                [
-                    Vector3::zeros(),
-                    start.angular_velocity,
-                    start.angular_acceleration,
-                ],
-                [
-                    turned,
-                    inverse * end.angular_velocity,
-                    inverse * end.angular_acceleration,
-                ],
-                duration,
-            ),
+            shift: cubic(shift, start.velocity * duration, end.velocity * duration),
+            turn: cubic(turn, start.angular_velocity * duration, turn_rate * duration),
         }
     }
 
-    /// Pose and velocities `time` s after the segment's start, 0 <= `time` <= duration; accelerations likewise.
+    /// The motion `time` s after the segment's start, 0 <= `time` <= duration.
     pub fn at(&self, time: f64) -> Motion {
         let s = time / self.duration;
-        let (shift, velocity, acceleration) = evaluate(&self.position, s, self.duration);
+        let (shift, velocity, acceleration) = evaluate(&self.shift, s, self.duration);
         let (turn, rate, rate_change) = evaluate(&self.turn, s, self.duration);
         let jacobian = rotation::left_jacobian(turn);
         Motion {
@@ -113,27 +93,20 @@ impl MotionSegment {
     }
 }
 
-/// Coefficients, in s = t / duration, of the quintic through value, first and second derivative at both ends.
-fn quintic(start: [Vector3<f64>; 3], end: [Vector3<f64>; 3], duration: f64) -> [Vector3<f64>; 6] {
-    let [p0, v0, a0] = [start[0], start[1] * duration, start[2] * (duration * duration)];
-    let [p1, v1, a1] = [end[0], end[1] * duration, end[2] * (duration * duration)];
-    let gap = p1 - p0 - v0 - a0 * 0.5;
-    let gap_rate = v1 - v0 - a0;
-    let gap_change = a1 - a0;
+/// Coefficients of s, s^2, s^3 with s = t / duration: from 0 to `change` with the given rates at the ends.
+fn cubic(change: Vector3<f64>, start_rate: Vector3<f64>, end_rate: Vector3<f64>) -> [Vector3<f64>; 3] {
     [
-        p0,
-        v0,
-        a0 * 0.5,
-        gap * 10.0 - gap_rate * 4.0 + gap_change * 0.5,
-        gap * -15.0 + gap_rate * 7.0 - gap_change,
-        gap * 6.0 - gap_rate * 3.0 + gap_change * 0.5,
+        start_rate,
+        change * 3.0 - start_rate * 2.0 - end_rate,
+        start_rate + end_rate - change * 2.0,
     ]
 }
 
-fn evaluate(c: &[Vector3<f64>; 6], s: f64, duration: f64) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
-    let value = c[0] + (c[1] + (c[2] + (c[3] + (c[4] + c[5] * s) * s) * s) * s) * s;
-    let rate = c[1] + (c[2] * 2.0 + (c[3] * 3.0 + (c[4] * 4.0 + c[5] * (5.0 * s)) * s) * s) * s;
-    let change = c[2] * 2.0 + (c[3] * 6.0 + (c[4] * 12.0 + c[5] * (20.0 * s)) * s) * s;
+/// Value and first two derivatives in time.
+fn evaluate(c: &[Vector3<f64>; 3], s: f64, duration: f64) -> (Vector3<f64>, Vector3<f64>, Vector3<f64>) {
+    let value = (c[0] + (c[1] + c[2] * s) * s) * s;
+    let rate = c[0] + (c[1] * 2.0 + c[2] * (3.0 * s)) * s;
+    let change = c[1] * 2.0 + c[2] * (6.0 * s);
     (value, rate / duration, change / (duration * duration))
 }
 
@@ -171,19 +144,17 @@ mod tests {
             assert!(distance(&given, &found) < 1e-15);
             assert!((given.velocity - found.velocity).norm() < 1e-12);
             assert!((given.angular_velocity - found.angular_velocity).norm() < 1e-12);
-            assert!((given.acceleration - found.acceleration).norm() < 1e-8);
-            assert!((given.angular_acceleration - found.angular_acceleration).norm() < 1e-8);
         }
     }
 
     #[test]
-    fn a_segment_errs_with_the_sixth_power_of_its_length() {
+    fn a_segment_errs_with_the_fourth_power_of_its_length() {
         let error = |duration: f64| {
             let segment = MotionSegment::new(swing(0.010), swing(0.010 + duration), duration);
             distance(&segment.at(0.5 * duration), &swing(0.010 + 0.5 * duration))
         };
-        assert!(error(0.001) < 1e-12, "{}", error(0.001));
-        assert!(error(0.008) / error(0.004) > 50.0);
+        let ratio = error(0.002) / error(0.001);
+        assert!((14.0..18.0).contains(&ratio), "{ratio}");
     }
 
     #[test]

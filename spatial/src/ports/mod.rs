@@ -36,6 +36,22 @@ pub struct Stamp {
     pub boot_id: i64,
 }
 
+impl Stamp {
+    /// The stamp of tick `step` in lockstep: simulated time, and a boot id that the seed and the role determine.
+    pub fn lockstep(step: i64, seed: i64, role: Role) -> Self {
+        // SplitMix64's output function: neighbouring seeds and roles give unrelated ids.
+        let mut z = (seed as u64).wrapping_mul(4).wrapping_add(role as u64 + 1);
+        z = z.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        Self {
+            step,
+            utime: step * crate::TICK_US,
+            boot_id: ((z ^ (z >> 31)) >> 1) as i64,
+        }
+    }
+}
+
 /// A value of a message that can't be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Invalid {

@@ -1,0 +1,97 @@
+//! The controller's messages: the command, and the status that people watch.
+
+use crate::Controller;
+use nalgebra::Vector3;
+use spatial::kinematics::{Axes, Gantry};
+use spatial::ports::{
+    Authenticity, Command, ControllerStatus, Detection, HORIZON, ImpactAssessment, ParameterAnswer, Role,
+    Stamp,
+};
+use spatial::{Deflection, Pose, Wrench};
+
+/// The bit of `ControllerStatus::limits` that says that command minus actual pose is at its bound.
+pub(crate) const LIMIT_LEAD: i32 = 1;
+/// The bit that says that the sensor is at the end of its range.
+const LIMIT_DEFLECTION: i32 = 32;
+
+impl Controller {
+    pub(crate) fn command(&self, tick: i64, axis_position: [Axes; HORIZON]) -> Command {
+        Command {
+            stamp: Stamp::lockstep(tick, self.settings.seed, Role::Controller),
+            enable: true,
+            axis_position,
+            send_utime: 0,
+            authenticity: Authenticity::default(),
+        }
+    }
+
+    pub(crate) fn status(&self, tick: i64) -> ControllerStatus {
+        let settings = &self.settings;
+        let mut status = ControllerStatus {
+            stamp: Stamp::lockstep(tick, settings.seed, Role::Controller),
+            phase: self.phase,
+            fault: self.fault,
+            law: settings.controller.law,
+            object_known: false,
+            object_pose: Pose::identity(),
+            object_velocity: Vector3::zeros(),
+            tcp_pose: Gantry.forward(&self.start),
+            wrench: Wrench::default(),
+            desired_wrench: settings.desired,
+            force_error_n: 0.0,
+            detection: Detection {
+                statistic_n: 0.0,
+                threshold_n: settings.controller.detection_threshold_n,
+                contact_step: -1,
+            },
+            compliance: settings.compliance,
+            compliance_confidence: 0.0,
+            tare: self.tare.mean(),
+            impact: ImpactAssessment::default(),
+            gain_margin: 0.0,
+            phase_margin_rad: 0.0,
+            oscillation_n: 0.0,
+            limits: self.limits,
+            program_step: -1,
+            task_step: 0,
+            task_answer: ParameterAnswer::None,
+            task_parameter: -1,
+            task_limit: 0.0,
+        };
+        let Some(motion) = &self.motion else {
+            return status;
+        };
+        let r_from_s = Gantry.forward(&motion.axes);
+        status.tcp_pose = motion.posture.deflected_tcp(&r_from_s, &motion.newest.deflection);
+        status.wrench = self.contact_wrench(&motion.newest.deflection);
+        status.detection.statistic_n = motion.force_n;
+        status.detection.threshold_n = motion.detector.threshold_n();
+        status.force_error_n = motion.force_n - settings.task.desired_force_n;
+        if motion.newest.flags.saturated {
+            status.limits |= LIMIT_DEFLECTION;
+        }
+        if let Some(contact) = &motion.contact {
+            status.detection.contact_step = contact.sample_tick;
+        }
+        if let Some(height) = motion.object.height_m() {
+            status.object_known = true;
+            status.object_pose = status.tcp_pose;
+            status.object_pose.translation.vector.z = height;
+        }
+        status
+    }
+
+    /// The wrench at the tcp that the deflection beyond the tare stands for: (3)-(6) solved for the tcp.
+    fn contact_wrench(&self, deflection: &Deflection) -> Wrench {
+        let contact_only = *deflection - self.tare.mean();
+        let compliance = &self.settings.compliance;
+        let solve =
+            |c: &nalgebra::Matrix3<f64>, v: Vector3<f64>| c.try_inverse().map_or(Vector3::zeros(), |i| i * v);
+        let force = solve(&compliance.translation, contact_only.translation);
+        let moment_at_s = solve(&compliance.rotation, contact_only.rotation);
+        Wrench {
+            force,
+            moment: moment_at_s - self.settings.d.cross(&force),
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! The whole of the paper's Fig. 2 as one readable loop, in one process and without a network.
+//!
+//! The three programs in lockstep reproduce it bit for bit.
+
+use controller::Controller;
+use node::scenario::Scenario;
+use robot_sim::RobotSim;
+use sensor_sim::SensorSim;
+use spatial::TICK_S;
+use spatial::ports::{LinkMotion, RobotState};
+
+/// All that is said within one tick.
+#[derive(Clone, Copy, Debug)]
+pub struct Tick {
+    /// The robot's half of the physics.
+    pub link_motion: LinkMotion,
+    /// The robot's state, at multiples of T.
+    pub robot_state: Option<RobotState>,
+    /// What the sensor's side answers.
+    pub sensor: sensor_sim::Outputs,
+    /// What the controller answers, at multiples of T.
+    pub controller: Option<controller::Outputs>,
+}
+
+/// How many ticks a scenario lasts, from tick 0 to the last one inclusive.
+pub fn ticks(scenario: &Scenario) -> i64 {
+    libm::rint(scenario.timing.duration_s / TICK_S) as i64 + 1
+}
+
+/// Run `scenario` and show each tick to `observe`.
+pub fn run(scenario: &Scenario, mut observe: impl FnMut(&Tick)) {
+    let mut robot = RobotSim::new(scenario);
+    let mut sensor = SensorSim::new(scenario, &robot.link_motion().motion);
+    let mut controller = Controller::new(scenario);
+    for _ in 0..ticks(scenario) {
+        let link_motion = robot.link_motion();
+        let robot_state = robot.command_due().then(|| robot.state());
+        let sensed = sensor.advance(&link_motion);
+        let answer = robot_state.map(|state| controller.cycle(&state, &sensed.deflections));
+        observe(&Tick {
+            link_motion,
+            robot_state,
+            sensor: sensed,
+            controller: answer,
+        });
+        robot.advance(&sensed.tool_motion, answer.as_ref().map(|answer| &answer.command));
+    }
+}

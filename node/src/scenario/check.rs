@@ -1,0 +1,266 @@
+//! Values that are fine alone and can't be together.
+
+use super::{Scenario, value::decimal};
+use spatial::TICK_S;
+
+/// Values that can't be together.
+pub(super) struct Conflict {
+    /// The keys concerned, the one to blame first.
+    pub(super) keys: &'static [&'static str],
+    /// What is wrong, the limit and the remedy.
+    pub(super) text: String,
+}
+
+/// Largest angle by which the fastest motion of the tool may advance in one integration step, rad; the classical
+/// Runge-Kutta method becomes unstable at 2.8.
+const STEP_ANGLE_RAD: f64 = 1.0;
+
+/// What the fastest motion depends on.
+const FASTEST_BY: &[&str] = &[
+    "sensor.integration_step_s",
+    "tool.mass_kg",
+    "tool.inertia_kg_m2",
+    "tool.centre_of_mass_in_s_m",
+    "tool.tcp_in_s_m",
+    "sensor.stiffness_n_per_m",
+    "sensor.stiffness_nm_per_rad",
+    "sensor.damping_ns_per_m",
+    "sensor.damping_nms_per_rad",
+    "object.indentation_n_per_m",
+    "object.rebound_ratio",
+];
+
+/// What the sensor's translation under load depends on.
+const DEFLECTED_BY: &[&str] = &[
+    "sensor.range_translation_m",
+    "sensor.stiffness_n_per_m",
+    "tool.mass_kg",
+    "task.desired_force_n",
+];
+
+/// What the sensor's rotation under load depends on.
+const TURNED_BY: &[&str] = &[
+    "sensor.range_rotation_rad",
+    "sensor.stiffness_nm_per_rad",
+    "tool.mass_kg",
+    "tool.centre_of_mass_in_s_m",
+    "tool.tcp_in_s_m",
+    "task.desired_force_n",
+];
+
+struct Conflicts(Vec<Conflict>);
+
+impl Conflicts {
+    /// Notes the conflict of `keys` unless `holds`.
+    fn require(&mut self, holds: bool, keys: &'static [&'static str], text: String) {
+        if !holds {
+            self.0.push(Conflict { keys, text });
+        }
+    }
+}
+
+impl Scenario {
+    /// Everything that can't be together in this scenario.
+    pub(super) fn conflicts(&self) -> Vec<Conflict> {
+        let mut conflicts = Conflicts(Vec::new());
+        self.check_task(&mut conflicts);
+        self.check_axes(&mut conflicts);
+        self.check_steps(&mut conflicts);
+        self.check_deflection(&mut conflicts);
+        conflicts.0
+    }
+
+    fn check_task(&self, conflicts: &mut Conflicts) {
+        let (task, height) = (&self.task, self.object.height_m);
+
+        let [tare, standstill] = [self.controller.tare_s, task.standstill_s];
+        conflicts.require(
+            tare <= standstill,
+            &["controller.tare_s", "task.standstill_s"],
+            format!(
+                "controller.tare_s is {} s, longer than task.standstill_s, {} s; tare within the standstill",
+                short(tare),
+                short(standstill),
+            ),
+        );
+
+        let [speed, limit] = [
+            task.approach_speed_m_per_s,
+            self.robot.velocity_limit_rad_per_s[2],
+        ];
+        conflicts.require(
+            speed <= limit,
+            &["task.approach_speed_m_per_s", "robot.velocity_limit_rad_per_s"],
+            format!(
+                "task.approach_speed_m_per_s is {} m/s, above robot.velocity_limit_rad_per_s[2], {} rad/s (of 1 m \
+                 each); approach more slowly",
+                short(speed),
+                short(limit),
+            ),
+        );
+
+        let [start, end] = [
+            task.start_position_m[2],
+            task.expected_height_m - task.search_depth_m,
+        ];
+        conflicts.require(
+            start > end,
+            &[
+                "task.start_position_m",
+                "task.expected_height_m",
+                "task.search_depth_m",
+            ],
+            format!(
+                "task.start_position_m[2] is {} m, not above the end of the search, task.expected_height_m - \
+                 task.search_depth_m, {} m; start higher or search deeper",
+                short(start),
+                short(end),
+            ),
+        );
+
+        let tcp = self.hanging_tcp_height_m();
+        conflicts.require(
+            height < tcp,
+            &["object.height_m", "task.start_position_m", "tool.mass_kg"],
+            format!(
+                "object.height_m is {} m, not below the hanging tool's tcp at {} m; start higher or lower the object",
+                short(height),
+                short(tcp),
+            ),
+        );
+    }
+
+    fn check_axes(&self, conflicts: &mut Conflicts) {
+        let Self {
+            robot, task, tool, ..
+        } = self;
+        let [x, y, z] = std::array::from_fn(|i| task.start_position_m[i] - tool.tcp_in_s_m[i]);
+        let start = [x, y, z, 0.0, 0.0, 0.0];
+        for (i, start) in start.into_iter().enumerate() {
+            let [low, high] = [robot.axis_minimum_rad[i], robot.axis_maximum_rad[i]];
+            conflicts.require(
+                low < high,
+                &["robot.axis_minimum_rad", "robot.axis_maximum_rad"],
+                format!(
+                    "robot.axis_minimum_rad[{i}] is {} rad, not below robot.axis_maximum_rad[{i}], {} rad; leave \
+                     the axis room to move",
+                    short(low),
+                    short(high),
+                ),
+            );
+            conflicts.require(
+                low >= high || (low..=high).contains(&start),
+                &[
+                    "task.start_position_m",
+                    "robot.axis_minimum_rad",
+                    "robot.axis_maximum_rad",
+                    "tool.tcp_in_s_m",
+                ],
+                format!(
+                    "task.start_position_m puts axis {i} at {} rad, outside robot.axis_minimum_rad[{i}] to \
+                     robot.axis_maximum_rad[{i}], {}..={} rad; start elsewhere or widen the axis",
+                    short(start),
+                    short(low),
+                    short(high),
+                ),
+            );
+        }
+
+        let [end, low] = [
+            task.expected_height_m - task.search_depth_m - tool.tcp_in_s_m[2],
+            robot.axis_minimum_rad[2],
+        ];
+        conflicts.require(
+            low >= self.robot.axis_maximum_rad[2] || end >= low,
+            &["task.search_depth_m", "task.expected_height_m", "robot.axis_minimum_rad", "tool.tcp_in_s_m"],
+            format!(
+                "task.search_depth_m ends the search with axis 2 at {} rad, below robot.axis_minimum_rad[2], {} rad; \
+                 search less deep or widen the axis",
+                short(end),
+                short(low),
+            ),
+        );
+    }
+
+    fn check_steps(&self, conflicts: &mut Conflicts) {
+        let [robot, sensor] = [self.robot.integration_step_s, self.sensor.integration_step_s];
+        let steps: [(&'static [&'static str], f64); 2] = [
+            (&["robot.integration_step_s"], robot),
+            (&["sensor.integration_step_s"], sensor),
+        ];
+        for (key, step) in steps {
+            let count = TICK_S / step;
+            conflicts.require(
+                (count - count.round()).abs() <= 1e-9 * count,
+                key,
+                format!(
+                    "{} is {} s, no whole fraction of the tick of {TICK_S} s; choose the tick over a whole number, \
+                     such as {} s",
+                    key[0],
+                    short(step),
+                    short(TICK_S / finer(count)),
+                ),
+            );
+        }
+
+        let fastest = self.fastest_rad_per_s();
+        conflicts.require(
+            sensor * fastest <= STEP_ANGLE_RAD,
+            FASTEST_BY,
+            format!(
+                "sensor.integration_step_s is {} s, too long for a tool that moves at up to {} rad/s between sensor \
+                 and object; choose at most {} s, a heavier tool, or less stiffness and damping",
+                short(sensor),
+                short(fastest),
+                short(STEP_ANGLE_RAD / fastest),
+            ),
+        );
+    }
+
+    fn check_deflection(&self, conflicts: &mut Conflicts) {
+        let (sensor, force) = (&self.sensor, self.task.desired_force_n);
+        let [hanging, pressing] = [self.deflection_under(0.0), self.deflection_under(force)];
+        let largest =
+            |a: [f64; 3], b: [f64; 3]| a.iter().chain(&b).fold(0.0_f64, |most, x| most.max(x.abs()));
+        let what = format!(
+            "the tool, hanging freely or pressing with task.desired_force_n, {} N,",
+            short(force)
+        );
+        let remedy = "stiffen the sensor, widen its range or load it less";
+
+        let [translation, range] = [largest(hanging.0, pressing.0), sensor.range_translation_m];
+        conflicts.require(
+            translation < range,
+            DEFLECTED_BY,
+            format!(
+                "{what} deflects the sensor by {} m, not less than sensor.range_translation_m, {} m; {remedy}",
+                short(translation),
+                short(range),
+            ),
+        );
+
+        let [rotation, range] = [largest(hanging.1, pressing.1), sensor.range_rotation_rad];
+        conflicts.require(
+            rotation < range,
+            TURNED_BY,
+            format!(
+                "{what} turns the sensor by {} rad, not less than sensor.range_rotation_rad, {} rad; {remedy}",
+                short(rotation),
+                short(range),
+            ),
+        );
+    }
+}
+
+/// The next number of steps per tick, from `count` on, that makes each a whole number of nanoseconds.
+fn finer(count: f64) -> f64 {
+    let mut counts = count.ceil() as u32..=1_000_000;
+    counts
+        .find(|count| 1_000_000 % count == 0)
+        .map_or(count, f64::from)
+}
+
+/// `value` with as many digits as a reader needs.
+fn short(value: f64) -> String {
+    decimal(&format!("{value:.5e}").parse().unwrap_or(value))
+}

@@ -1,0 +1,75 @@
+//! Keys whose value is one word out of a few.
+
+use spatial::ports::Law;
+use std::fmt::Debug;
+
+/// What drives the nodes' time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TimingMode {
+    /// Simulated time, as fast as the machines go, deterministic.
+    #[default]
+    Lockstep,
+}
+
+/// From axis angles to the pose of s.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Kinematics {
+    /// Six decoupled axes at the origin of s.
+    #[default]
+    Gantry,
+}
+
+/// What joins an axis's motor and its link.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Gears {
+    /// Nothing that yields: motor and link are one mass.
+    #[default]
+    Rigid,
+}
+
+/// A value that a scenario names by a word.
+pub(super) trait Choice: Debug {
+    /// The words to choose from.
+    fn words(&self) -> &'static [&'static str];
+
+    /// Words that will mean something in a later version.
+    fn planned(&self) -> &'static [&'static str];
+
+    /// The word for this value; empty if a program set a value that no word stands for yet.
+    fn word(&self) -> &'static str;
+
+    /// Becomes the value that `word` stands for; `false`, and unchanged, if there is none.
+    fn choose(&mut self, word: &str) -> bool;
+}
+
+macro_rules! choice {
+    ($type:ident: $($word:literal => $variant:ident),+; planned: $($planned:literal),+) => {
+        impl Choice for $type {
+            fn words(&self) -> &'static [&'static str] {
+                &[$($word),+]
+            }
+
+            fn planned(&self) -> &'static [&'static str] {
+                &[$($planned),+]
+            }
+
+            fn word(&self) -> &'static str {
+                let mut words = [$(($word, Self::$variant)),+].into_iter();
+                words.find(|(_, value)| value == self).map_or("", |(word, _)| word)
+            }
+
+            fn choose(&mut self, word: &str) -> bool {
+                match word {
+                    $($word => *self = Self::$variant,)+
+                    _ => return false,
+                }
+                true
+            }
+        }
+    };
+}
+
+choice!(TimingMode: "lockstep" => Lockstep; planned: "realtime");
+choice!(Kinematics: "gantry" => Gantry; planned: "arm");
+choice!(Gears: "rigid" => Rigid; planned: "elastic");
+choice!(Law: "pd" => Pd, "proposed" => Proposed; planned: "literal", "pd-reset", "elastic", "ros2", "fzi");

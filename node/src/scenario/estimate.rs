@@ -1,0 +1,79 @@
+//! First-order estimates of how a scenario's tool behaves, for the checks.
+
+use super::Scenario;
+use spatial::GRAVITY_M_PER_S2;
+
+impl Scenario {
+    /// Translation, m, and rotation, rad, of the sensor at rest, to first order, while the object presses upwards
+    /// on the tcp with `force`, N.
+    pub(super) fn deflection_under(&self, force: f64) -> ([f64; 3], [f64; 3]) {
+        let Self { sensor, tool, .. } = self;
+        let weight = GRAVITY_M_PER_S2 * tool.mass_kg;
+        let ([cx, cy, _], [dx, dy, _]) = (tool.centre_of_mass_in_s_m, tool.tcp_in_s_m);
+        let moment = [dy * force - cy * weight, cx * weight - dx * force, 0.0];
+        let translation = [0.0, 0.0, (force - weight) / sensor.stiffness_n_per_m];
+        (
+            translation,
+            moment.map(|moment| moment / sensor.stiffness_nm_per_rad),
+        )
+    }
+
+    /// An upper bound of the tool's angular frequencies and decay rates between sensor and object, rad/s: the sum
+    /// of what each spring (each damper) alone would cause.
+    ///
+    /// The contact counts for exponent 1 only; for others its stiffness depends on the impact.
+    pub(super) fn fastest_rad_per_s(&self) -> f64 {
+        let Self {
+            sensor, tool, object, ..
+        } = self;
+        let ([cx, cy, cz], [dx, dy, _]) = (tool.centre_of_mass_in_s_m, tool.tcp_in_s_m);
+        let [jx, jy, jz] = tool.inertia_kg_m2;
+        let smallest = jx.min(jy).min(jz);
+        // What a force moves, 1/kg: at s in any direction at most, and at the tcp along z.
+        let at_s = 1.0 / tool.mass_kg + (cx * cx + cy * cy + cz * cz) / smallest;
+        let at_tcp = 1.0 / tool.mass_kg + (dy - cy) * (dy - cy) / jx + (dx - cx) * (dx - cx) / jy;
+        let contact = if object.exponent == 1.0 {
+            object.indentation_n_per_m * object.rebound_ratio
+        } else {
+            0.0
+        };
+        let springs =
+            sensor.stiffness_n_per_m * at_s + sensor.stiffness_nm_per_rad / smallest + contact * at_tcp;
+        let dampers = sensor.damping_ns_per_m * at_s + sensor.damping_nms_per_rad / smallest;
+        springs.sqrt().max(dampers)
+    }
+
+    /// Height in r, m, of the tcp at the start, with the tool hanging freely.
+    pub(super) fn hanging_tcp_height_m(&self) -> f64 {
+        let ([_, _, sag], [turn_x, turn_y, _]) = self.deflection_under(0.0);
+        let [x, y, _] = self.tool.tcp_in_s_m;
+        self.task.start_position_m[2] + sag + turn_x * y - turn_y * x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The values of the linear model in the specification of the plant.
+    #[test]
+    fn the_reference_plant_sags_and_yields_as_specified() {
+        let scenario = Scenario::default();
+        let ([_, _, p], [_, phi, _]) = scenario.deflection_under(0.0);
+        assert!(
+            (p + 130.8e-6).abs() < 0.1e-6 && (phi - 2.935e-3).abs() < 1e-6,
+            "{p} {phi}"
+        );
+        assert!((scenario.hanging_tcp_height_m() - (0.030 - 424e-6)).abs() < 1e-6);
+
+        let ([_, _, pressed], [_, turned, _]) = scenario.deflection_under(10.0);
+        assert!((pressed - p - 33.3e-6).abs() < 0.1e-6 && (turned - phi + 2.493e-3).abs() < 1e-6);
+    }
+
+    /// Contact with 64 MN/m of rebound on 1.798 kg alone: 5966 rad/s.
+    #[test]
+    fn the_contact_is_the_fastest_motion() {
+        let fastest = Scenario::default().fastest_rad_per_s();
+        assert!((5966.0..6100.0).contains(&fastest), "{fastest}");
+    }
+}

@@ -1,0 +1,216 @@
+//! The scenario: one TOML file per experiment, read by all nodes.
+//!
+//! Every key is declared once, below: name (its suffix is the unit), type, default, limits and one line of
+//! documentation. The structs, reading with validation, [`Scenario::hash`] and [`Scenario::keys`] follow from
+//! that. Every key is optional; the defaults are the experiment of the paper's section V on the reference plant.
+//!
+//! What is (`[robot]`, `[sensor]`, `[tool]`, `[object]`) and what the controller assumes (`[controller]`) are
+//! separate entries, so that every claim about a wrong compliance, delay, mass or gear can be tested.
+
+mod check;
+mod choice;
+mod error;
+mod estimate;
+mod hash;
+mod names;
+mod read;
+mod schema;
+#[cfg(test)]
+mod tests;
+mod value;
+
+pub use choice::{Gears, Kinematics, TimingMode};
+pub use error::ScenarioError;
+pub use schema::{Allowed, Key};
+pub use spatial::ports::Law;
+
+schema::section! {
+    /// One experiment: what is, what is asked for, and what the controller assumes.
+    Scenario at "" with timing: Timing, robot: Robot, sensor: Sensor, tool: Tool, object: Object, task: Task,
+        controller: Controller {}
+}
+
+schema::section! {
+    /// Time, its pace and its length.
+    Timing at "timing" {
+        /// What drives the nodes' time.
+        mode: TimingMode = TimingMode::Lockstep;
+        /// Command period T.
+        command_period_ticks: i64 = 4, in 1..=8;
+        /// Length of the experiment in simulated time.
+        duration_s: f64 = 3.0, in 0.001..=86400.0;
+        /// Seed of every random stream.
+        seed: i64 = 1, in 0..=i64::MAX;
+    }
+}
+
+schema::section! {
+    /// The robot as it is: six axes and their position controller.
+    Robot at "robot" {
+        /// From axis angles to the pose of s.
+        kinematics: Kinematics = Kinematics::Gantry;
+        /// What joins motor and link.
+        gears: Gears = Gears::Rigid;
+        /// Inertia of each axis on the motor's side.
+        motor_inertia_kg_m2: [f64; 6] = [120.0, 120.0, 120.0, 4.0, 4.0, 4.0], in 1e-3..=1e4;
+        /// Inertia of each axis on the link's side.
+        link_inertia_kg_m2: [f64; 6] = [60.0, 60.0, 60.0, 2.0, 2.0, 2.0], in 1e-3..=1e4;
+        /// Lower end of each axis.
+        axis_minimum_rad: [f64; 6] = [-1.0, -1.0, -1.0, -1.5, -1.5, -1.5], in -100.0..=100.0;
+        /// Upper end of each axis.
+        axis_maximum_rad: [f64; 6] = [1.0, 1.0, 1.0, 1.5, 1.5, 1.5], in -100.0..=100.0;
+        /// Velocity that the command filter does not exceed.
+        velocity_limit_rad_per_s: [f64; 6] = [1.0, 1.0, 1.0, 2.0, 2.0, 2.0], in 1e-3..=100.0;
+        /// Acceleration that the command filter does not exceed.
+        acceleration_limit_rad_per_s2: [f64; 6] = [5.0, 5.0, 5.0, 30.0, 30.0, 30.0], in 0.01..=1e4;
+        /// Periods T from a command to its effect, n_d.
+        command_delay_periods: i64 = 2, in 0..=10;
+        /// Natural frequency of the command filter.
+        filter_frequency_hz: f64 = 15.0, in 0.1..=200.0;
+        /// Damping ratio of the command filter.
+        filter_damping: f64 = 0.8, in 0.1..=5.0;
+        /// Gain of the position loop.
+        position_gain_per_s: f64 = 25.0, in 0.1..=500.0;
+        /// Bandwidth of the velocity loop, with the motor's inertia alone.
+        velocity_bandwidth_hz: f64 = 60.0, in 1.0..=150.0;
+        /// Integral time of the velocity loop.
+        velocity_integral_time_s: f64 = 0.03, in 1e-3..=100.0;
+        /// Step of the axes' integration, a whole fraction of 1 ms.
+        integration_step_s: f64 = 1e-4, in 1e-6..=1e-3;
+    }
+}
+
+schema::section! {
+    /// The compliant sensor as it is.
+    Sensor at "sensor" {
+        /// Translational stiffness, equal along all axes.
+        stiffness_n_per_m: f64 = 300e3, in 1e2..=1e9;
+        /// Rotational stiffness, equal about all axes.
+        stiffness_nm_per_rad: f64 = 401.07, in 0.1..=1e7;
+        /// Translational damping.
+        damping_ns_per_m: f64 = 65.7, in 0.0..=1e6;
+        /// Rotational damping.
+        damping_nms_per_rad: f64 = 0.2216, in 0.0..=1e4;
+        /// Corner of the measurement's first-order low pass.
+        bandwidth_hz: f64 = 200.0, in 1.0..=5000.0;
+        /// White noise of a translation, rms.
+        noise_translation_m: f64 = 2e-6, in 0.0..=1e-3;
+        /// White noise of a rotation, rms.
+        noise_rotation_rad: f64 = 40e-6, in 0.0..=0.01;
+        /// Quantum of a translation; 0: none.
+        quantum_translation_m: f64 = 1e-6, in 0.0..=1e-3;
+        /// Quantum of a rotation; 0: none.
+        quantum_rotation_rad: f64 = 20e-6, in 0.0..=0.01;
+        /// Measuring range of a translation, either way.
+        range_translation_m: f64 = 1.5e-3, in 1e-5..=0.1;
+        /// Measuring range of a rotation, either way.
+        range_rotation_rad: f64 = 0.02618, in 1e-5..=1.0;
+        /// Ticks from sampling to publication.
+        delay_ticks: i64 = 4, in 0..=100;
+        /// Step of the tool's integration, a whole fraction of 1 ms.
+        integration_step_s: f64 = 20e-6, in 1e-6..=1e-3;
+    }
+}
+
+schema::section! {
+    /// The rigid tool on the sensor as it is.
+    Tool at "tool" {
+        /// Mass.
+        mass_kg: f64 = 4.0, in 1e-3..=1e4;
+        /// Principal moments of inertia about the centre of mass, along the axes of s.
+        inertia_kg_m2: [f64; 3] = [0.012, 0.016, 0.010], in 1e-7..=1e5;
+        /// Centre of mass in s.
+        centre_of_mass_in_s_m: [f64; 3] = [0.03, 0.0, -0.06], in -5.0..=5.0;
+        /// Tool centre point in s.
+        tcp_in_s_m: [f64; 3] = [0.10, 0.0, -0.15], in -5.0..=5.0;
+    }
+}
+
+schema::section! {
+    /// The object and its contact with the tool, eqs. (13) to (15).
+    Object at "object" {
+        /// Height of its surface in r.
+        height_m: f64 = 0.010, in -10.0..=10.0;
+        /// Indentation coefficient while loading, c_in (for exponent n: N/m^n).
+        indentation_n_per_m: f64 = 16e6, in 1e2..=1e12;
+        /// Rebound coefficient over indentation coefficient, c_re / c_in.
+        rebound_ratio: f64 = 4.0, in 1.0..=1e3;
+        /// Exponent n of the indentation.
+        exponent: f64 = 1.0, in 1.0..=3.0;
+    }
+}
+
+schema::section! {
+    /// What is asked for.
+    Task at "task" {
+        /// Where the tcp starts, in r.
+        start_position_m: [f64; 3] = [0.0, 0.0, 0.030], in -10.0..=10.0;
+        /// Standstill before the approach.
+        standstill_s: f64 = 0.25, in 0.0..=60.0;
+        /// Height in r at which the object is expected.
+        expected_height_m: f64 = 0.0, in -10.0..=10.0;
+        /// How far below that height to search.
+        search_depth_m: f64 = 0.005, in 0.0..=1.0;
+        /// Speed of the approach.
+        approach_speed_m_per_s: f64 = 0.020, in 0.0005..=1.0;
+        /// Desired normal force.
+        desired_force_n: f64 = 10.0, in 0.1..=1e5;
+    }
+}
+
+schema::section! {
+    /// The control law and what it assumes of robot, sensor and tool.
+    Controller at "controller" with pd: Pd, proposed: Proposed {
+        /// Control law.
+        law: Law = Law::Proposed;
+        /// How long the deflection is averaged at standstill to become zero force.
+        tare_s: f64 = 0.2, in 1e-3..=60.0;
+        /// Assumed translational compliance of the sensor.
+        compliance_m_per_n: f64 = 3.3333333333e-6, in 1e-9..=1e-2;
+        /// Assumed rotational compliance of the sensor.
+        compliance_rad_per_nm: f64 = 2.4933303e-3, in 1e-7..=10.0;
+        /// Assumed tool centre point in s.
+        tcp_in_s_m: [f64; 3] = [0.10, 0.0, -0.15], in -5.0..=5.0;
+        /// Assumed corner of the sensor's low pass.
+        sensor_bandwidth_hz: f64 = 200.0, in 1.0..=5000.0;
+        /// Assumed periods T from a command to its effect.
+        command_delay_periods: i64 = 2, in 0..=10;
+        /// Assumed natural frequency of the robot's command filter.
+        filter_frequency_hz: f64 = 15.0, in 0.1..=200.0;
+        /// Assumed damping ratio of the robot's command filter.
+        filter_damping: f64 = 0.8, in 0.1..=5.0;
+        /// Assumed acceleration limit of each axis.
+        acceleration_limit_rad_per_s2: [f64; 6] = [5.0, 5.0, 5.0, 30.0, 30.0, 30.0], in 0.01..=1e4;
+        /// Normal force above which the tool counts as in contact.
+        detection_threshold_n: f64 = 0.82, in 1e-3..=1e4;
+        /// Force at the tcp per acceleration of the motion, by which that threshold is raised while the robot
+        /// accelerates: the tool's inertia deflects the sensor too.
+        apparent_mass_kg: f64 = 3.0, in 0.0..=1e5;
+        /// Deviation from the desired force within which the force counts as settled.
+        settled_band_n: f64 = 0.5, in 1e-3..=1e4;
+        /// Time over which the tilt to the desired posture is spread after contact.
+        tilt_time_s: f64 = 0.1, in 1e-3..=10.0;
+        /// Bound of command minus actual position.
+        max_lead_m: f64 = 0.003, in 1e-5..=1.0;
+    }
+}
+
+schema::section! {
+    /// The law `pd`, eq. (1).
+    Pd at "controller.pd" {
+        /// Proportional gain K.
+        proportional_m_per_n: f64 = 2.6e-6, in 0.0..=1e-2;
+        /// Derivative gain D.
+        derivative_m_per_n: f64 = 10.5e-6, in 0.0..=1e-2;
+    }
+}
+
+schema::section! {
+    /// The law `proposed`: eqs. (2) and (9) to (12) as an object model.
+    Proposed at "controller.proposed" {
+        /// Weight of a new sample in the object's pose.
+        object_filter_gain: f64 = 0.1, in 1e-3..=1.0;
+        /// Bandwidth of the reference model.
+        reference_bandwidth_hz: f64 = 30.0, in 0.1..=200.0;
+    }
+}

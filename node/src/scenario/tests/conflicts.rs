@@ -1,0 +1,107 @@
+//! Values that can't be together, word for word.
+
+use super::refusal;
+
+#[test]
+fn the_tare_is_within_the_standstill() {
+    assert_eq!(
+        refusal("[task]\nstandstill_s = 0.1", &[]),
+        "a.toml:2:1: controller.tare_s is 0.2 s, longer than task.standstill_s, 0.1 s; tare within the standstill"
+    );
+}
+
+#[test]
+fn a_conflict_is_reported_where_its_first_key_was_given_last() {
+    assert_eq!(
+        refusal(
+            "[task]\nstandstill_s = 0.1\n[controller]\ntare_s = 0.3",
+            &["controller.tare_s=0.4"]
+        ),
+        "--set controller.tare_s=0.4: controller.tare_s is 0.4 s, longer than task.standstill_s, 0.1 s; tare \
+         within the standstill"
+    );
+}
+
+#[test]
+fn the_approach_is_within_the_robots_speed() {
+    assert_eq!(
+        refusal(
+            "task.approach_speed_m_per_s = 1\nrobot.velocity_limit_rad_per_s = [1, 1, 0.5, 1, 1, 1]",
+            &[]
+        ),
+        "a.toml:1:6: task.approach_speed_m_per_s is 1 m/s, above robot.velocity_limit_rad_per_s[2], 0.5 rad/s (of \
+         1 m each); approach more slowly"
+    );
+}
+
+#[test]
+fn the_tool_starts_above_the_search_and_the_object() {
+    assert_eq!(
+        refusal("task.expected_height_m = 0.04", &[]),
+        "a.toml:1:6: task.start_position_m[2] is 0.03 m, not above the end of the search, task.expected_height_m - \
+         task.search_depth_m, 0.035 m; start higher or search deeper"
+    );
+    // 0.4 mm below the start, but the tool sags by that much.
+    assert_eq!(
+        refusal("object.height_m = 0.0296", &[]),
+        "a.toml:1:8: object.height_m is 0.0296 m, not below the hanging tool's tcp at 0.0295758 m; start higher or \
+         lower the object"
+    );
+}
+
+#[test]
+fn the_axes_reach_start_and_search() {
+    assert_eq!(
+        refusal("", &["robot.axis_minimum_rad=[-1, -1, 1, -1, -1, -1]"]),
+        "--set robot.axis_minimum_rad=[-1, -1, 1, -1, -1, -1]: robot.axis_minimum_rad[2] is 1 rad, not below \
+         robot.axis_maximum_rad[2], 1 rad; leave the axis room to move"
+    );
+    assert_eq!(
+        refusal(
+            "task.start_position_m = [1.2, 0, 0.03]\ntask.search_depth_m = 1\ntool.tcp_in_s_m = [0.1, 0, 0.1]",
+            &[]
+        ),
+        "a.toml:1:6: task.start_position_m puts axis 0 at 1.1 rad, outside robot.axis_minimum_rad[0] to \
+         robot.axis_maximum_rad[0], -1..=1 rad; start elsewhere or widen the axis\n\
+         a.toml:2:6: task.search_depth_m ends the search with axis 2 at -1.1 rad, below robot.axis_minimum_rad[2], \
+         -1 rad; search less deep or widen the axis"
+    );
+}
+
+#[test]
+fn the_integration_steps_divide_the_tick_and_resolve_the_tool() {
+    assert_eq!(
+        refusal(
+            "robot.integration_step_s = 3e-4\nsensor.integration_step_s = 3e-5",
+            &[]
+        ),
+        "a.toml:1:7: robot.integration_step_s is 0.0003 s, no whole fraction of the tick of 0.001 s; choose the \
+         tick over a whole number, such as 0.00025 s\n\
+         a.toml:2:8: sensor.integration_step_s is 3e-5 s, no whole fraction of the tick of 0.001 s; choose the \
+         tick over a whole number, such as 2.5e-5 s"
+    );
+    assert_eq!(
+        refusal("sensor.integration_step_s = 2e-4", &[]),
+        "a.toml:1:8: sensor.integration_step_s is 0.0002 s, too long for a tool that moves at up to 5987.5 rad/s \
+         between sensor and object; choose at most 0.000167015 s, a heavier tool, or less stiffness and damping"
+    );
+}
+
+#[test]
+fn the_load_is_within_the_sensors_range() {
+    assert_eq!(
+        refusal("tool.mass_kg = 100", &[]),
+        "a.toml:1:6: the tool, hanging freely or pressing with task.desired_force_n, 10 N, deflects the sensor by \
+         0.00326888 m, not less than sensor.range_translation_m, 0.0015 m; stiffen the sensor, widen its range or \
+         load it less\n\
+         a.toml:1:6: the tool, hanging freely or pressing with task.desired_force_n, 10 N, turns the sensor by \
+         0.0733537 rad, not less than sensor.range_rotation_rad, 0.02618 rad; stiffen the sensor, widen its range \
+         or load it less"
+    );
+    assert_eq!(
+        refusal("", &["task.desired_force_n=150"]),
+        "--set task.desired_force_n=150: the tool, hanging freely or pressing with task.desired_force_n, 150 N, \
+         turns the sensor by 0.0344658 rad, not less than sensor.range_rotation_rad, 0.02618 rad; stiffen the \
+         sensor, widen its range or load it less"
+    );
+}

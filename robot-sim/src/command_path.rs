@@ -1,0 +1,123 @@
+//! From the controller's set-points to what the servo is asked for at each tick.
+
+use spatial::kinematics::Axes;
+use spatial::ports::{Command, HORIZON};
+
+/// Set-points at multiples of the command period, with linear interpolation between them.
+///
+/// A command issued at tick k acts from k + n_d T: set-point i of its horizon is reached at k + (n_d + 1 + i) T.
+/// A newer command overwrites what an older one said about the same instants.
+#[derive(Clone, Debug)]
+pub struct CommandPath {
+    period: i64,
+    delay_periods: i64,
+    /// Set-points by period, as a ring of (period index, set-point).
+    ring: Vec<(i64, Axes)>,
+}
+
+impl CommandPath {
+    /// A path that holds `axes` until the first command acts; `period` in ticks.
+    pub fn new(period: i64, delay_periods: i64, axes: Axes) -> Self {
+        let length = HORIZON + delay_periods as usize + 2;
+        // Everything up to the first instant a command of tick 0 can reach holds still.
+        let ring = (0..length as i64)
+            .map(|slot| (slot - length as i64, axes))
+            .collect();
+        let mut path = Self {
+            period,
+            delay_periods,
+            ring,
+        };
+        for index in 0..=delay_periods {
+            path.put(index, axes);
+        }
+        path
+    }
+
+    /// Take the horizon of a command issued at `tick`, a multiple of the period.
+    pub fn accept(&mut self, tick: i64, command: &Command) {
+        let first = tick / self.period + self.delay_periods + 1;
+        for (index, axes) in (first..).zip(&command.axis_position) {
+            self.put(index, *axes);
+        }
+    }
+
+    /// The set-point at `tick`. Beyond the last horizon: its last set-point.
+    pub fn at(&self, tick: i64) -> Axes {
+        let index = tick.div_euclid(self.period);
+        let inside = tick.rem_euclid(self.period) as f64 / self.period as f64;
+        let start = self.get(index);
+        if inside == 0.0 {
+            return start;
+        }
+        start + (self.get(index + 1) - start) * inside
+    }
+
+    fn put(&mut self, index: i64, axes: Axes) {
+        let slot = self.slot(index);
+        self.ring[slot] = (index, axes);
+    }
+
+    /// The set-point of period `index`, or the newest one before it.
+    fn get(&self, index: i64) -> Axes {
+        let (known, axes) = self.ring[self.slot(index)];
+        if known == index {
+            return axes;
+        }
+        self.ring
+            .iter()
+            .filter(|(known, _)| *known < index)
+            .max_by_key(|(known, _)| *known)
+            .map_or(axes, |e| e.1)
+    }
+
+    fn slot(&self, index: i64) -> usize {
+        index.rem_euclid(self.ring.len() as i64) as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use spatial::ports::{Authenticity, Stamp};
+
+    fn command(first: f64, slope: f64) -> Command {
+        Command {
+            stamp: Stamp::default(),
+            enable: true,
+            axis_position: std::array::from_fn(|i| Axes::repeat(first + slope * i as f64)),
+            send_utime: 0,
+            authenticity: Authenticity::default(),
+        }
+    }
+
+    #[test]
+    fn a_command_acts_after_its_delay_and_moves_linearly() {
+        let mut path = CommandPath::new(4, 2, Axes::zeros());
+        path.accept(0, &command(1.0, 0.0));
+        let heights: Vec<f64> = (0..=14).map(|tick| path.at(tick).x).collect();
+        let expected = [
+            0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.25, 0.5, 0.75, 1.0, 1.0, 1.0,
+        ];
+        assert_eq!(heights, expected);
+    }
+
+    #[test]
+    fn newer_commands_overwrite_older_horizons() {
+        let mut path = CommandPath::new(4, 2, Axes::zeros());
+        path.accept(0, &command(1.0, 1.0));
+        path.accept(4, &command(0.0, 0.0));
+        assert_eq!(path.at(12).x, 1.0);
+        assert_eq!(path.at(16).x, 0.0);
+        assert_eq!(path.at(40).x, 0.0);
+    }
+
+    #[test]
+    fn without_commands_the_horizon_is_followed_to_its_end_and_held() {
+        let mut path = CommandPath::new(4, 2, Axes::zeros());
+        path.accept(0, &command(1.0, 1.0));
+        assert_eq!(path.at(40).x, 8.0);
+        assert_eq!(path.at(42).x, 8.0);
+        assert_eq!(path.at(4000).x, 8.0);
+    }
+}

@@ -1,0 +1,106 @@
+//! The contact of the tcp with the object's surface: loading and a stiffer rebound.
+
+use node::scenario;
+
+/// Contact of a point with a plane, with the memory of its deepest indentation.
+///
+/// Loading (h >= h_max): `f = c_in h^n`. Otherwise `f = c_re (h - h_rem)^n` above the remaining indentation
+/// `h_rem = h_max (1 - (c_in / c_re)^(1/n))` and zero below it. The memory is cleared once h < 0, and is frozen
+/// inside an integration step, so that the force is a smooth function of h there (PLANT.md section 3).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    indentation_n_per_m: f64,
+    rebound_n_per_m: f64,
+    exponent: f64,
+    /// `1 - (c_in / c_re)^(1/n)`.
+    remaining_fraction: f64,
+    deepest_m: f64,
+}
+
+impl Contact {
+    /// An untouched surface.
+    pub fn new(object: &scenario::Object) -> Self {
+        let fraction = libm::pow(1.0 / object.rebound_ratio, 1.0 / object.exponent);
+        Self {
+            indentation_n_per_m: object.indentation_n_per_m,
+            rebound_n_per_m: object.indentation_n_per_m * object.rebound_ratio,
+            exponent: object.exponent,
+            remaining_fraction: 1.0 - fraction,
+            deepest_m: 0.0,
+        }
+    }
+
+    /// The normal force (N) on the tool at indentation `h` (m), the memory left as it is.
+    pub fn force(&self, h: f64) -> f64 {
+        if h <= 0.0 {
+            return 0.0;
+        }
+        if h >= self.deepest_m {
+            return self.indentation_n_per_m * self.power(h);
+        }
+        let above = h - self.remaining_m();
+        if above <= 0.0 {
+            0.0
+        } else {
+            self.rebound_n_per_m * self.power(above)
+        }
+    }
+
+    /// Remember the indentation `h` (m) reached at the end of an integration step.
+    pub fn remember(&mut self, h: f64) {
+        self.deepest_m = if h < 0.0 { 0.0 } else { self.deepest_m.max(h) };
+    }
+
+    /// The indentation (m) at which the force vanishes on the way out.
+    pub fn remaining_m(&self) -> f64 {
+        self.deepest_m * self.remaining_fraction
+    }
+
+    fn power(&self, h: f64) -> f64 {
+        // The flat punch needs no transcendental function.
+        if self.exponent == 1.0 {
+            h
+        } else {
+            libm::pow(h, self.exponent)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn contact(rebound_ratio: f64, exponent: f64) -> Contact {
+        Contact::new(&scenario::Object {
+            rebound_ratio,
+            exponent,
+            ..Default::default()
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn loading_and_unloading_meet_at_the_deepest_point(
+            ratio in 1.0..20.0, exponent in 0.5..2.0, depth in 1e-7..1e-4
+        ) {
+            let mut contact = contact(ratio, exponent);
+            let loading = contact.force(depth);
+            contact.remember(depth);
+            let unloading = contact.force(depth * (1.0 - 1e-12));
+            prop_assert!((loading - unloading).abs() < 1e-6 * loading);
+            prop_assert_eq!(contact.force(contact.remaining_m()), 0.0);
+        }
+    }
+
+    #[test]
+    fn leaving_the_surface_clears_the_memory() {
+        let mut contact = contact(4.0, 1.0);
+        contact.remember(1e-5);
+        assert!((contact.remaining_m() - 0.75e-5).abs() < 1e-20);
+        assert_eq!(contact.force(0.5e-5), 0.0);
+        contact.remember(-1e-9);
+        assert_eq!(contact.remaining_m(), 0.0);
+        assert_eq!(contact.force(0.5e-5), 16e6 * 0.5e-5);
+    }
+}

@@ -1,0 +1,239 @@
+//! The tool: a rigid body that hangs on the sensor and touches the object with its tcp.
+
+use crate::contact::Contact;
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use node::scenario;
+use spatial::{GRAVITY_M_PER_S2, Motion, MotionSegment, Pose, ToolSuspension, Wrench, rotation};
+
+/// What the tool is made of and hangs on. Vectors in s', the sensor frame on the tool plate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// M, kg.
+    pub mass: f64,
+    /// Inertia about the centre of mass, kg m^2.
+    pub inertia: Matrix3<f64>,
+    inertia_inverse: Matrix3<f64>,
+    /// c, from the origin of s' to the centre of mass, m.
+    pub centre_of_mass: Vector3<f64>,
+    /// d, from the origin of s' to the tcp, m.
+    pub tcp: Vector3<f64>,
+    /// The compliant sensor.
+    pub suspension: ToolSuspension,
+    /// M g in r, N.
+    pub weight: Vector3<f64>,
+}
+
+/// Position, velocity, orientation and angular velocity of the tool, in r, at its centre of mass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct State {
+    /// Centre of mass, m.
+    pub position: Vector3<f64>,
+    /// Its velocity, m/s.
+    pub velocity: Vector3<f64>,
+    /// `r_from_s1`'s rotation.
+    pub rotation: UnitQuaternion<f64>,
+    /// Angular velocity, rad/s.
+    pub angular_velocity: Vector3<f64>,
+}
+
+/// Energies that have crossed the tool's borders since start, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Work {
+    /// Done by the link on the tool, through the sensor.
+    pub by_link: f64,
+    /// Dissipated in the sensor.
+    pub dissipated: f64,
+    /// Done by the tool on the object.
+    pub on_object: f64,
+}
+
+/// The plane that the tcp may touch: normal +z of r at a height.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface<'a> {
+    /// The contact law and its memory.
+    pub contact: &'a Contact,
+    /// Height in r, m.
+    pub height: f64,
+}
+
+struct Rates {
+    velocity: Vector3<f64>,
+    acceleration: Vector3<f64>,
+    quaternion: Quaternion<f64>,
+    angular_acceleration: Vector3<f64>,
+    work: Work,
+}
+
+impl Body {
+    /// The tool and sensor of a scenario.
+    pub fn new(tool: &scenario::Tool, sensor: &scenario::Sensor) -> Self {
+        let diagonal = Vector3::from(tool.inertia_kg_m2);
+        Self {
+            mass: tool.mass_kg,
+            inertia: Matrix3::from_diagonal(&diagonal),
+            inertia_inverse: Matrix3::from_diagonal(&diagonal.map(|i| 1.0 / i)),
+            centre_of_mass: tool.centre_of_mass_in_s_m.into(),
+            tcp: tool.tcp_in_s_m.into(),
+            suspension: ToolSuspension {
+                stiffness_n_per_m: sensor.stiffness_n_per_m,
+                stiffness_nm_per_rad: sensor.stiffness_nm_per_rad,
+                damping_ns_per_m: sensor.damping_ns_per_m,
+                damping_nms_per_rad: sensor.damping_nms_per_rad,
+            },
+            weight: Vector3::new(0.0, 0.0, -GRAVITY_M_PER_S2 * tool.mass_kg),
+        }
+    }
+
+    /// The state in which the tool hangs at rest, gravity and sensor in balance, on a link at rest at `r_from_s`.
+    ///
+    /// `K_p p = R_s^T M g`; `K_phi phi = R_s^T ((R c) x M g)` by fixed-point iteration: each step shrinks the
+    /// error by `M g |c| / K_phi`, which the limit on the sag keeps small.
+    pub fn hanging(&self, r_from_s: &Pose) -> State {
+        let into_s = r_from_s.rotation.inverse();
+        let p = into_s * self.weight / self.suspension.stiffness_n_per_m;
+        let mut phi = Vector3::zeros();
+        for _ in 0..60 {
+            let rotation = r_from_s.rotation * rotation::exp(phi);
+            let moment = (rotation * self.centre_of_mass).cross(&self.weight);
+            phi = into_s * moment / self.suspension.stiffness_nm_per_rad;
+        }
+        let rotation = r_from_s.rotation * rotation::exp(phi);
+        State {
+            position: (r_from_s * nalgebra::Point3::from(p)).coords + rotation * self.centre_of_mass,
+            velocity: Vector3::zeros(),
+            rotation,
+            angular_velocity: Vector3::zeros(),
+        }
+    }
+
+    /// Motion of s' without its accelerations.
+    pub fn plate(&self, state: &State) -> Motion {
+        let lever = -(state.rotation * self.centre_of_mass);
+        Motion {
+            pose: Pose::from_parts((state.position + lever).into(), state.rotation),
+            velocity: state.velocity + state.angular_velocity.cross(&lever),
+            angular_velocity: state.angular_velocity,
+            acceleration: Vector3::zeros(),
+            angular_acceleration: Vector3::zeros(),
+        }
+    }
+
+    /// Motion of s' with its accelerations, for a link that moves like `link`.
+    pub fn plate_motion(&self, state: &State, link: &Motion, surface: &Surface) -> Motion {
+        let rates = self.rates(state, link, surface);
+        let lever = -(state.rotation * self.centre_of_mass);
+        let w = state.angular_velocity;
+        Motion {
+            acceleration: rates.acceleration
+                + rates.angular_acceleration.cross(&lever)
+                + w.cross(&w.cross(&lever)),
+            angular_acceleration: rates.angular_acceleration,
+            ..self.plate(state)
+        }
+    }
+
+    /// Pose `r_from_ta1` of the real tcp and its velocity, m/s.
+    pub fn tcp_motion(&self, state: &State) -> (Pose, Vector3<f64>) {
+        let lever = state.rotation * (self.tcp - self.centre_of_mass);
+        let pose = Pose::from_parts((state.position + lever).into(), state.rotation);
+        (pose, state.velocity + state.angular_velocity.cross(&lever))
+    }
+
+    /// Indentation h (m) of the tcp into a surface at `height` (m); negative: distance.
+    pub fn indentation(&self, state: &State, height: f64) -> f64 {
+        height - state.position.z - (state.rotation * (self.tcp - self.centre_of_mass)).z
+    }
+
+    /// Kinetic energy, J.
+    pub fn kinetic_energy(&self, state: &State) -> f64 {
+        let w = state.rotation.inverse() * state.angular_velocity;
+        0.5 * (self.mass * state.velocity.norm_squared() + w.dot(&(self.inertia * w)))
+    }
+
+    /// Potential energy in gravity, J; zero with the centre of mass at z = 0.
+    pub fn gravity_energy(&self, state: &State) -> f64 {
+        -self.weight.dot(&state.position)
+    }
+
+    /// One step of the classical Runge-Kutta method of fourth order, from `time` to `time + step` (s) of the
+    /// link's segment; the contact's memory stays frozen inside.
+    pub fn integrate(
+        &self,
+        state: &State,
+        link: &MotionSegment,
+        time: f64,
+        step: f64,
+        surface: &Surface,
+    ) -> (State, Work) {
+        let half = 0.5 * step;
+        let middle = link.at(time + half);
+        let k1 = self.rates(state, &link.at(time), surface);
+        let k2 = self.rates(&state.advanced(&k1, half), &middle, surface);
+        let k3 = self.rates(&state.advanced(&k2, half), &middle, surface);
+        let k4 = self.rates(&state.advanced(&k3, step), &link.at(time + step), surface);
+        let mean = |f: fn(&Rates) -> Vector3<f64>| (f(&k1) + (f(&k2) + f(&k3)) * 2.0 + f(&k4)) / 6.0;
+        let sum = |f: fn(&Work) -> f64| {
+            step / 6.0 * (f(&k1.work) + 2.0 * (f(&k2.work) + f(&k3.work)) + f(&k4.work))
+        };
+        let rates = Rates {
+            velocity: mean(|k| k.velocity),
+            acceleration: mean(|k| k.acceleration),
+            quaternion: (k1.quaternion + (k2.quaternion + k3.quaternion) * 2.0 + k4.quaternion) / 6.0,
+            angular_acceleration: mean(|k| k.angular_acceleration),
+            work: Work::default(),
+        };
+        let work = Work {
+            by_link: sum(|w| w.by_link),
+            dissipated: sum(|w| w.dissipated),
+            on_object: sum(|w| w.on_object),
+        };
+        (state.advanced(&rates, step), work)
+    }
+
+    /// The equations of motion (PLANT.md section 1) for a link that moves like `link`.
+    fn rates(&self, state: &State, link: &Motion, surface: &Surface) -> Rates {
+        let rotation = state.rotation.to_rotation_matrix();
+        let com = rotation * self.centre_of_mass;
+        let lever = rotation * (self.tcp - self.centre_of_mass);
+        let plate = self.plate(state);
+        let Wrench { force, moment } = self.suspension.wrench_on_tool(link, &plate);
+
+        let h = surface.height - state.position.z - lever.z;
+        let contact = Vector3::new(0.0, 0.0, surface.contact.force(h));
+        let tcp_velocity = state.velocity + state.angular_velocity.cross(&lever);
+
+        let w = state.angular_velocity;
+        let torque = moment - com.cross(&force) + lever.cross(&contact);
+        let w_body = rotation.inverse() * w;
+        let gyroscopic = w_body.cross(&(self.inertia * w_body));
+        let arm = plate.pose.translation.vector - link.pose.translation.vector;
+        Rates {
+            velocity: state.velocity,
+            acceleration: (force + contact + self.weight) / self.mass,
+            // q' = (0, w) q / 2 for w in r.
+            quaternion: Quaternion::from_imag(w * 0.5) * state.rotation.into_inner(),
+            angular_acceleration: rotation
+                * (self.inertia_inverse * (rotation.inverse() * torque - gyroscopic)),
+            work: Work {
+                by_link: force.dot(&link.velocity) + (moment + arm.cross(&force)).dot(&link.angular_velocity),
+                dissipated: self.suspension.dissipation(link, &plate),
+                on_object: -contact.dot(&tcp_velocity),
+            },
+        }
+    }
+}
+
+impl State {
+    /// The state after `time` s at constant `rates`.
+    fn advanced(&self, rates: &Rates, time: f64) -> Self {
+        Self {
+            position: self.position + rates.velocity * time,
+            velocity: self.velocity + rates.acceleration * time,
+            rotation: UnitQuaternion::new_normalize(self.rotation.into_inner() + rates.quaternion * time),
+            angular_velocity: self.angular_velocity + rates.angular_acceleration * time,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
