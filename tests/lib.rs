@@ -1,1 +1,9 @@
-//! x
+//! What the multi-process tests need.
+
+mod cell;
+mod programs;
+mod relay;
+
+pub use cell::{Bench, processes_naming, wait_for_end};
+pub use programs::{programs, touchdown};
+pub use relay::{Impairment, Relay};

@@ -16,8 +16,6 @@ use crate::run_port::{FREE_PORTS, GROUP, Heard, LCM_DEFAULT_PORT, receiver};
 /// What [`examine`] asks of the host.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// The version of LCM that this program was built with, if it is known.
-    pub lcm_version: Option<String>,
     /// How long a datagram may take to come back.
     pub echo_within: Duration,
     /// How long to listen for other LCM programs.
@@ -29,7 +27,6 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
-            lcm_version: None,
             echo_within: Duration::from_millis(500),
             listen: Duration::from_millis(200),
             receive_buffer_bytes: 2 << 20,
@@ -83,7 +80,7 @@ impl Finding {
 /// Examines this host.
 pub fn examine(options: &Options) -> Vec<Finding> {
     vec![
-        library(options.lcm_version.as_deref(), &read("/proc/self/maps")),
+        library(lcmtypes::LCM_VERSION, &read("/proc/self/maps")),
         loopback(options.echo_within),
         multicast(
             echo(options.echo_within),
@@ -139,18 +136,19 @@ fn read(path: &str) -> String {
     fs::read_to_string(path).unwrap_or_default()
 }
 
-fn library(built_with: Option<&str>, maps: &str) -> Finding {
-    let file = |line: &'_ str| line.split_ascii_whitespace().nth(5).map(str::to_owned);
+/// Debian's library of LCM 1.3.1 is called liblcm.so.1.3.4: the version is that of the headers.
+fn library((major, minor, micro): (i32, i32, i32), maps: &str) -> Finding {
+    let file = |line: &str| line.split_ascii_whitespace().nth(5).map(str::to_owned);
     let loaded = maps
         .lines()
         .filter_map(file)
         .find(|path| path.contains("/liblcm.so"));
-    let built_with = built_with.map_or_else(String::new, |version| format!("built with LCM {version}, "));
-    let used = loaded.map_or_else(
-        || "linked into this program".to_owned(),
-        |path| format!("loaded from {path}"),
-    );
-    Finding::new("liblcm", Verdict::Good, built_with + &used)
+    let place = loaded.unwrap_or_else(|| "linked into this program".to_owned());
+    Finding::new(
+        "liblcm",
+        Verdict::Good,
+        format!("LCM {major}.{minor}.{micro}, {place}"),
+    )
 }
 
 /// Runs lock their ports on 127.0.0.1. (Where no interface is up, binding alone succeeds.)
@@ -522,11 +520,15 @@ mod tests {
         let maps =
             "7f00-7f01 r-xp 00000000 08:01 42    /usr/lib/liblcm.so.1.3.4\n7f02-7f03 rw-p 0 00:00 0 \n";
         assert!(
-            library(Some("1.3.1"), maps)
+            library((1, 3, 1), maps)
                 .observed
                 .contains("/usr/lib/liblcm.so.1.3.4")
         );
-        assert!(library(None, "").observed.contains("linked into this program"));
+        assert!(
+            library((1, 5, 0), "")
+                .observed
+                .contains("linked into this program")
+        );
     }
 
     #[test]

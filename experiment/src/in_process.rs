@@ -6,7 +6,6 @@ use controller::Controller;
 use node::scenario::Scenario;
 use robot_sim::RobotSim;
 use sensor_sim::SensorSim;
-use spatial::TICK_S;
 use spatial::ports::{LinkMotion, RobotState};
 
 /// All that is said within one tick.
@@ -22,17 +21,12 @@ pub struct Tick {
     pub controller: Option<controller::Outputs>,
 }
 
-/// How many ticks a scenario lasts, from tick 0 to the last one inclusive.
-pub fn ticks(scenario: &Scenario) -> i64 {
-    libm::rint(scenario.timing.duration_s / TICK_S) as i64 + 1
-}
-
 /// Run `scenario` and show each tick to `observe`.
 pub fn run(scenario: &Scenario, mut observe: impl FnMut(&Tick)) {
     let mut robot = RobotSim::new(scenario);
     let mut sensor = SensorSim::new(scenario, &robot.link_motion().motion);
     let mut controller = Controller::new(scenario);
-    for _ in 0..ticks(scenario) {
+    for _ in 0..scenario.timing.ticks() {
         let link_motion = robot.link_motion();
         let robot_state = robot.command_due().then(|| robot.state());
         let sensed = sensor.advance(&link_motion);

@@ -1,5 +1,12 @@
 //! Experiments: the whole loop in one process, the three programs, and what is measured of them.
 
 pub mod compare;
+pub mod doctor;
+pub mod figure;
 pub mod in_process;
+pub mod launch;
 pub mod metrics;
+pub mod run_port;
+pub mod scenarios;
+pub mod table;
+pub mod transcript;

@@ -1,9 +1,10 @@
 //! What is measured of a run: peak, settling, IAE, steady error, orientation (PLANT.md section 6).
 
+use crate::transcript::{self, Entry};
 use nalgebra::{UnitQuaternion, Vector3};
 use node::scenario::Scenario;
 use serde::Serialize;
-use spatial::ports::Truth;
+use spatial::ports::{ControllerStatus, Truth};
 use spatial::{TICK_S, rotation};
 
 /// How long after the first contact is judged, s.
@@ -132,6 +133,42 @@ impl Recording {
             rotation: truth.tcp_pose.rotation,
             contact_force_n: truth.contact_force.z,
         });
+    }
+
+    /// The recording of the truth in `entries`, and the force that the controller measured over time after the
+    /// first contact; `None`: there was no contact.
+    pub fn from_transcript(scenario: &Scenario, entries: &[Entry]) -> (Self, Option<ForceCurve>) {
+        let mut recording = Self::new(scenario);
+        transcript::messages::<Truth>(entries).for_each(|truth| recording.push(&truth));
+        let measured = recording.first_contact_s.map(|contact| {
+            let mut curve = ForceCurve::default();
+            for status in transcript::messages::<ControllerStatus>(entries) {
+                curve.time_s.push(status.stamp.step as f64 * TICK_S - contact);
+                curve.force_n.push(status.detection.statistic_n);
+            }
+            curve
+        });
+        (recording, measured)
+    }
+
+    /// What a spreadsheet needs, tick by tick: `time_s,force_n,contact_force_n,orientation_rad`, time after the
+    /// first contact (after the start where there was none), force as [`Recording::force_curve`] has it.
+    pub fn csv(&self) -> String {
+        let mut text = String::from("time_s,force_n,contact_force_n,orientation_rad\n");
+        let contact = self.first_contact_s.unwrap_or(0.0);
+        let forces = self.force_curve().map(|curve| curve.force_n).unwrap_or_default();
+        let before = self
+            .ticks
+            .first()
+            .map(|sample| sample.rotation)
+            .unwrap_or_default();
+        for (i, sample) in self.ticks.iter().enumerate() {
+            let force = forces.get(i).copied().unwrap_or(0.0);
+            let turned = rotation::log(&(sample.rotation * before.inverse())).norm();
+            let time = sample.time_s - contact;
+            text += &format!("{time:.6},{force:.6},{:.6},{turned:.9}\n", sample.contact_force_n);
+        }
+        text
     }
 
     /// Time of the first contact, s; `None`: there was none.

@@ -44,6 +44,13 @@ schema::section! {
     }
 }
 
+impl Timing {
+    /// How many ticks the experiment lasts, from tick 0 to the last one inclusive.
+    pub fn ticks(&self) -> i64 {
+        libm::rint(self.duration_s / spatial::TICK_S) as i64 + 1
+    }
+}
+
 schema::section! {
     /// The robot as it is: six axes and their position controller.
     Robot at "robot" {

@@ -73,6 +73,7 @@ impl Check for RobotState {
             1,
             ENCODER_SAMPLES as i64,
         )?;
+        in_range("robot_fault_axis", i64::from(self.fault_axis), -1, 5)?;
         self.axis_position
             .iter()
             .try_for_each(|axes| finite("robot_axis_position_rad", axes.iter()))?;

@@ -1,6 +1,9 @@
 //! `CONTROLLER_STATUS` and `NODE_STATUS`: what people watch.
 
-use super::{Check, Invalid, ParameterAnswer, Stamp, finite, finite_pose, finite_vectors, wire_enum};
+use super::{
+    Check, Invalid, ParameterAnswer, Stamp, TaskParameters, finite, finite_pose, finite_vectors, in_range,
+    wire_enum,
+};
 use crate::{Compliance, Deflection, Pose, Wrench};
 use nalgebra::Vector3;
 
@@ -345,6 +348,13 @@ impl Check for ControllerStatus {
                 &self.oscillation_n,
                 &self.task_limit,
             ],
+        )?;
+        let last_parameter = TaskParameters::COUNT as i64 - 1;
+        in_range(
+            "controller_task_parameter",
+            i64::from(self.task_parameter),
+            -1,
+            last_parameter,
         )
     }
 }

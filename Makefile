@@ -1,0 +1,43 @@
+# Each target installs what is missing on Debian and Ubuntu (setup.sh) and says so; where nothing is missing, it
+# changes nothing.
+
+# On a terminal cargo's progress bar alone; elsewhere a line for each crate that it compiles.
+build := if [ -t 2 ]; then export CARGO_TERM_PROGRESS_WHEN=always CARGO_TERM_PROGRESS_WIDTH=80 CARGO_TERM_QUIET=true; fi; \
+	./setup.sh demo cargo build --release --locked
+
+touchdown := target/release/touchdown
+
+.PHONY: help demo test bench doctor check format lint doc clean
+
+help: ## list the targets (default)
+	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile | expand -t 10
+
+demo: ## the paper's experiment with both laws, as three processes over LCM: table, figure, data in target/demo
+	@$(build)
+	@$(touchdown) run paper --laws proposed,pd --out target/demo
+
+test: ## all tests
+	@./setup.sh test cargo test --workspace --locked
+
+bench: ## how fast the simulation and the network are on this machine
+	@$(build)
+	@$(touchdown) bench simulation
+	@$(touchdown) bench network
+
+doctor: ## is this host fit for LCM over UDP multicast?
+	@$(build)
+	@$(touchdown) doctor
+
+check: format lint doc ## what a change must pass besides the tests
+
+format:
+	@./setup.sh check cargo fmt --all --check
+
+lint:
+	@./setup.sh check cargo clippy --workspace --all-targets --locked -- -D warnings
+
+doc:
+	@RUSTDOCFLAGS="-D warnings" ./setup.sh check cargo doc --workspace --no-deps --locked
+
+clean: ## remove what was built and recorded
+	@rm -rf target

@@ -1,0 +1,137 @@
+//! Lockstep over LCM: the controller answers `ROBOT_STATE` of tick n, once `SENSOR_DEFLECTION` of n is there, with
+//! `ROBOT_COMMAND` and `CONTROLLER_STATUS` of n, and a repeated state with the same bytes.
+
+use controller::Controller;
+use crossbeam::select;
+use lcmtypes::{Encoded, Lcm, Received};
+use node::clock;
+use node::lockstep::{Answer, Follower};
+use node::shell::{Flags, Reaction, Shell};
+use spatial::ports::{Deflections, NodeStatus, RobotState, Role, Stamp};
+
+/// Run the node until a signal ends it.
+pub(crate) fn run(flags: &Flags) -> anyhow::Result<()> {
+    let mut shell = flags.start(Role::Controller)?;
+    let mut device = flags.device_link()?;
+    let states = device.subscribe::<RobotState>(16);
+    let deflections = device.subscribe::<Deflections>(16);
+    let peers = device.subscribe::<NodeStatus>(16);
+    let device = device.start()?;
+    let timing = &shell.scenario.timing;
+    let mut node = Node {
+        follower: Follower::new(
+            timing.command_period_ticks,
+            Stamp::lockstep(0, timing.seed, Role::Robot).boot_id,
+        ),
+        sensor_boot_id: Stamp::lockstep(0, timing.seed, Role::Sensor).boot_id,
+        controller: Controller::new(&shell.scenario),
+        state: None,
+        deflections: None,
+        answers: [const { None }; 2],
+    };
+    loop {
+        select! {
+            recv(states.receiver()) -> received => {
+                if let Ok(Received { message, .. }) = received {
+                    node.take_state(&mut shell, &device, message);
+                }
+            }
+            recv(deflections.receiver()) -> received => {
+                if let Ok(Received { message, .. }) = received {
+                    node.take_deflections(&mut shell, &device, message);
+                }
+            }
+            recv(peers.receiver()) -> received => {
+                if let Ok(Received { message, .. }) = received {
+                    shell.count(&[&device]);
+                    shell.greet(&device, &message);
+                }
+            }
+            recv(shell.stop) -> _ => break,
+        }
+    }
+    shell.finish()
+}
+
+struct Node {
+    follower: Follower,
+    sensor_boot_id: i64,
+    controller: Controller,
+    /// The state to be answered, waiting for its deflection.
+    state: Option<RobotState>,
+    /// The newest deflection.
+    deflections: Option<Deflections>,
+    /// What was answered to the last state.
+    answers: [Option<Encoded>; 2],
+}
+
+impl Node {
+    fn take_state(&mut self, shell: &mut Shell, device: &Lcm, state: RobotState) {
+        if shell.health.faulty() {
+            return;
+        }
+        // A state that waits for its deflection is already counted as the last one: a repeat of it is no answer.
+        let waiting = self.state.is_some();
+        let expected = self.follower.expected();
+        match self.follower.classify(state.stamp.step, state.stamp.boot_id) {
+            Answer::Compute => {
+                self.state = Some(state);
+                self.cycle(shell, device);
+            }
+            Answer::Repeat if !waiting => {
+                for encoded in self.answers.iter().flatten() {
+                    shell.repeat(device, encoded);
+                }
+            }
+            Answer::Repeat | Answer::Ignore => {}
+            Answer::Broken => shell.react(
+                device,
+                Reaction::Broken {
+                    peer: Role::Robot,
+                    expected,
+                    found: state.stamp,
+                },
+            ),
+        }
+    }
+
+    fn take_deflections(&mut self, shell: &mut Shell, device: &Lcm, deflections: Deflections) {
+        if shell.health.faulty() {
+            return;
+        }
+        let found = deflections.stamp;
+        if found.boot_id != self.sensor_boot_id {
+            let expected = self.follower.expected();
+            return shell.react(
+                device,
+                Reaction::Broken {
+                    peer: Role::Sensor,
+                    expected,
+                    found,
+                },
+            );
+        }
+        if self.deflections.is_none_or(|known| found.step > known.stamp.step) {
+            self.deflections = Some(deflections);
+            self.cycle(shell, device);
+        }
+    }
+
+    /// One cycle, once state and deflection of the same tick are there.
+    fn cycle(&mut self, shell: &mut Shell, device: &Lcm) {
+        let (Some(state), Some(deflections)) = (&self.state, &self.deflections) else {
+            return;
+        };
+        if deflections.stamp.step != state.stamp.step {
+            return;
+        }
+        let started = clock::now();
+        let outputs = self.controller.cycle(state, deflections);
+        self.answers = [
+            shell.publish(device, &outputs.command),
+            shell.publish(device, &outputs.status),
+        ];
+        shell.health.reach(state.stamp.step, clock::now() - started);
+        self.state = None;
+    }
+}

@@ -1,0 +1,415 @@
+//! The three programs as child processes: started, watched, and stopped whatever happens.
+
+use crate::transcript::{self, Entry};
+use crossbeam::channel::Receiver;
+use crossbeam::select;
+use lcmtypes::{Lcm, LcmBuilder, LcmError, LogError, Subscription};
+use node::clock;
+use node::greeting::role_name;
+use spatial::ports::{Fault, NodeState, NodeStatus, Role};
+use std::io::{BufRead, BufReader};
+use std::os::unix::process::ExitStatusExt;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// Which LCM URL each process uses for the device channels and for the simulated world.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Wiring {
+    /// By role: device channels.
+    pub device: [String; 3],
+    /// By role: the simulated world.
+    pub world: [String; 3],
+    /// Where the nodes' status is heard.
+    pub watch: String,
+}
+
+/// What to start.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// Where the programs are.
+    pub programs: PathBuf,
+    /// The scenario file all of them read.
+    pub scenario: PathBuf,
+    /// `key=value` overrides.
+    pub overrides: Vec<String>,
+    /// How they are wired.
+    pub wiring: Wiring,
+    /// Identity of the run.
+    pub run_id: i64,
+    /// Where each node's record goes, as [`Plan::record`].
+    pub directory: PathBuf,
+}
+
+/// Why a run ended before its scenario was over.
+#[derive(Debug, thiserror::Error)]
+pub enum LaunchError {
+    /// A program can't be started.
+    #[error("can't start {}: {source}; build all programs with `cargo build --release`", path.display())]
+    Start {
+        /// The program.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The nodes' status can't be heard.
+    #[error(transparent)]
+    Lcm(#[from] LcmError),
+    /// A process ended on its own.
+    #[error("{} died ({status}) at tick {tick}; its last message: {last}", role_name(*role))]
+    Died {
+        /// Which.
+        role: Role,
+        /// How.
+        status: String,
+        /// Tick that it or the run had reached.
+        tick: i64,
+        /// Its last words on stderr.
+        last: String,
+    },
+    /// A process has latched a fault.
+    #[error(
+        "{} latched {fault:?} at tick {tick} (peer {}, expected {expected}, found {found}); its last message: {last}",
+        role_name(*role), role_name(*peer)
+    )]
+    Faulty {
+        /// Which.
+        role: Role,
+        /// The fault.
+        fault: Fault,
+        /// When.
+        tick: i64,
+        /// Whom it concerns.
+        peer: Role,
+        /// What was expected.
+        expected: i64,
+        /// What was found.
+        found: i64,
+        /// Its last words on stderr.
+        last: String,
+    },
+    /// A process is not heard of.
+    #[error(
+        "{} has not been heard of for {seconds} s; `touchdown doctor` checks whether multicast works here",
+        role_name(*role)
+    )]
+    Silent {
+        /// Which.
+        role: Role,
+        /// For how long.
+        seconds: u64,
+    },
+    /// A node's record can't be read.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// A signal asked to end.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+/// How long a started process may take to be heard of, and how long a running one may stay silent.
+const SILENT: Duration = Duration::from_secs(4);
+/// Between two looks at the children.
+const LOOK: Duration = Duration::from_millis(20);
+/// How long a child may take to end before it is killed.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+impl Wiring {
+    /// All processes on the same two URLs.
+    pub fn shared(device: &str, world: &str) -> Self {
+        let all = |url: &str| std::array::from_fn(|_| url.to_owned());
+        Self {
+            device: all(device),
+            world: all(world),
+            watch: device.to_owned(),
+        }
+    }
+}
+
+impl Plan {
+    /// Where the node in `role` records what it publishes.
+    pub fn record(&self, role: Role) -> PathBuf {
+        self.directory.join(format!("{}.lcmlog", role_name(role)))
+    }
+}
+
+/// Run the three programs through a scenario and return all they have said; their own records are removed.
+pub fn run(plan: &Plan, stop: &Receiver<()>, progress: impl FnMut(i64)) -> Result<Vec<Entry>, LaunchError> {
+    let mut cell = Cell::start(plan)?;
+    cell.watch(stop, progress)?;
+    cell.stop()?;
+    let records = [Role::Robot, Role::Sensor, Role::Controller].map(|role| plan.record(role));
+    let entries = transcript::from_logs(&records)?;
+    for record in &records {
+        // Everything is in `entries`; a file that can't be removed does no harm.
+        let _ = std::fs::remove_file(record);
+    }
+    Ok(entries)
+}
+
+/// Three running processes; dropping it stops them.
+pub struct Cell {
+    nodes: Vec<Node>,
+    _link: Lcm,
+    statuses: Subscription<NodeStatus>,
+}
+
+struct Node {
+    role: Role,
+    child: Child,
+    last_words: Arc<Mutex<String>>,
+    listener: Option<JoinHandle<()>>,
+    status: Option<NodeStatus>,
+    heard: Instant,
+}
+
+impl Cell {
+    /// Start sensor-sim, controller and robot-sim.
+    pub fn start(plan: &Plan) -> Result<Self, LaunchError> {
+        let mut builder = LcmBuilder::open(&plan.wiring.watch)?;
+        let statuses = builder.subscribe(64);
+        let mut cell = Self {
+            nodes: Vec::new(),
+            _link: builder.start()?,
+            statuses,
+        };
+        for role in [Role::Sensor, Role::Controller, Role::Robot] {
+            // A failure drops the cell, which stops those already started.
+            cell.nodes.push(Node::start(plan, role)?);
+        }
+        Ok(cell)
+    }
+
+    /// Process id of the node in `role`.
+    pub fn process_id(&self, role: Role) -> Option<u32> {
+        self.nodes
+            .iter()
+            .find(|node| node.role == role)
+            .map(|node| node.child.id())
+    }
+
+    /// Watch until the robot has finished the scenario; `progress` sees the tick it has reached.
+    pub fn watch(&mut self, stop: &Receiver<()>, mut progress: impl FnMut(i64)) -> Result<(), LaunchError> {
+        loop {
+            select! {
+                recv(self.statuses.receiver()) -> received => {
+                    if let Ok(received) = received {
+                        let status = received.message;
+                        if let Some(node) = self.nodes.iter_mut().find(|node| node.role == status.role) {
+                            node.status = Some(status);
+                            node.heard = clock::now();
+                        }
+                        if status.role == Role::Robot {
+                            progress(status.stamp.step);
+                            if status.state == NodeState::Finished {
+                                return Ok(());
+                            }
+                        }
+                        self.faults(&status)?;
+                    }
+                }
+                recv(stop) -> _ => return Err(LaunchError::Interrupted),
+                default(LOOK) => {}
+            }
+            self.look()?;
+        }
+    }
+
+    /// Stop all processes and wait for their end, so that their records are complete.
+    pub fn stop(mut self) -> Result<(), LaunchError> {
+        self.end_all()
+    }
+
+    fn faults(&self, status: &NodeStatus) -> Result<(), LaunchError> {
+        if status.fault == Fault::None {
+            return Ok(());
+        }
+        let node = self.nodes.iter().find(|node| node.role == status.role);
+        Err(LaunchError::Faulty {
+            role: status.role,
+            fault: status.fault,
+            tick: status.fault_step,
+            peer: status.fault_peer,
+            expected: status.fault_expected,
+            found: status.fault_found,
+            last: node.map_or_else(String::new, Node::last_words),
+        })
+    }
+
+    /// Whether any process has ended or gone silent.
+    fn look(&mut self) -> Result<(), LaunchError> {
+        let tick = self
+            .nodes
+            .iter()
+            .filter_map(|node| node.status.map(|status| status.stamp.step))
+            .max()
+            .unwrap_or(-1);
+        for node in &mut self.nodes {
+            if let Ok(Some(status)) = node.child.try_wait() {
+                node.listen_to_the_end();
+                return Err(LaunchError::Died {
+                    role: node.role,
+                    status: how(status),
+                    tick,
+                    last: node.last_words(),
+                });
+            }
+        }
+        let now = clock::now();
+        // Sensor and controller only answer; once the run goes on, the robot alone tells that it does.
+        let started = self.nodes.iter().all(|node| node.status.is_some());
+        let silent = self.nodes.iter().find(|node| {
+            let expected = node.status.is_none() || (started && node.role == Role::Robot);
+            expected && now.saturating_duration_since(node.heard) > SILENT
+        });
+        match silent {
+            Some(node) => Err(LaunchError::Silent {
+                role: node.role,
+                seconds: SILENT.as_secs(),
+            }),
+            None => Ok(()),
+        }
+    }
+
+    fn end_all(&mut self) -> Result<(), LaunchError> {
+        for node in &self.nodes {
+            node.signal(rustix::process::Signal::TERM);
+        }
+        let give_up = clock::now() + PATIENCE;
+        let mut first_failure = Ok(());
+        for node in &mut self.nodes {
+            let ended = node.wait_until(give_up);
+            if !ended.is_some_and(|status| status.success()) && first_failure.is_ok() {
+                first_failure = Err(LaunchError::Died {
+                    role: node.role,
+                    status: ended.map_or_else(|| "did not end when asked to".to_owned(), how),
+                    tick: node.status.map_or(-1, |status| status.stamp.step),
+                    last: node.last_words(),
+                });
+            }
+        }
+        self.nodes.clear();
+        first_failure
+    }
+}
+
+impl Drop for Cell {
+    fn drop(&mut self) {
+        // Whoever drops it without `stop` has an error of its own to tell.
+        let _ = self.end_all();
+    }
+}
+
+impl Node {
+    fn start(plan: &Plan, role: Role) -> Result<Self, LaunchError> {
+        let path = plan.programs.join(role_name(role));
+        let index = role as usize;
+        let mut command = Command::new(&path);
+        command
+            .arg("--scenario")
+            .arg(&plan.scenario)
+            .args(["--url", &plan.wiring.device[index]])
+            .args(["--sim-url", &plan.wiring.world[index]])
+            .args(["--run-id", &plan.run_id.to_string()])
+            .arg("--record")
+            .arg(plan.record(role))
+            .arg("--with-parent")
+            .args(plan.overrides.iter().flat_map(|change| ["--set", change]));
+        if std::env::var_os("RUST_LOG").is_none() {
+            command.env("RUST_LOG", "warn");
+        }
+        command
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped());
+        let start = |source| LaunchError::Start {
+            path: path.clone(),
+            source,
+        };
+        let mut child = command.spawn().map_err(start)?;
+        let last_words = Arc::new(Mutex::new(String::new()));
+        let listener = child.stderr.take().map(|stderr| {
+            let words = last_words.clone();
+            std::thread::spawn(move || {
+                for line in BufReader::new(stderr).lines().map_while(Result::ok) {
+                    eprintln!("{}: {line}", role_name(role));
+                    *words.lock().unwrap_or_else(PoisonError::into_inner) = line;
+                }
+            })
+        });
+        Ok(Self {
+            role,
+            child,
+            last_words,
+            listener,
+            status: None,
+            heard: clock::now(),
+        })
+    }
+
+    fn last_words(&self) -> String {
+        let words = self.last_words.lock().unwrap_or_else(PoisonError::into_inner);
+        if words.is_empty() {
+            return "none".to_owned();
+        }
+        words.trim().to_owned()
+    }
+
+    fn listen_to_the_end(&mut self) {
+        if let Some(listener) = self.listener.take() {
+            let _ = listener.join();
+        }
+    }
+
+    fn signal(&self, signal: rustix::process::Signal) {
+        let id = i32::try_from(self.child.id())
+            .ok()
+            .and_then(rustix::process::Pid::from_raw);
+        if let Some(id) = id {
+            // It may have ended already.
+            let _ = rustix::process::kill_process(id, signal);
+        }
+    }
+
+    /// Wait for the end of the process; kill it at `give_up`.
+    fn wait_until(&mut self, give_up: Instant) -> Option<ExitStatus> {
+        let never = crossbeam::channel::never::<()>();
+        loop {
+            match self.child.try_wait() {
+                Ok(Some(status)) => {
+                    self.listen_to_the_end();
+                    return Some(status);
+                }
+                Ok(None) if clock::now() < give_up => {
+                    let _ = never.recv_timeout(Duration::from_millis(2));
+                }
+                _ => {
+                    let _ = self.child.kill();
+                    let _ = self.child.wait();
+                    self.listen_to_the_end();
+                    return None;
+                }
+            }
+        }
+    }
+}
+
+/// Where the programs of this workspace are: beside the running one, or one directory above a test.
+pub fn programs() -> std::io::Result<PathBuf> {
+    let own = std::env::current_exe()?;
+    let directory = own.parent().unwrap_or(Path::new("."));
+    if directory.ends_with("deps") {
+        return Ok(directory.parent().unwrap_or(directory).to_owned());
+    }
+    Ok(directory.to_owned())
+}
+
+fn how(status: ExitStatus) -> String {
+    match (status.code(), status.signal()) {
+        (Some(code), _) => format!("exit code {code}"),
+        (None, Some(signal)) => format!("signal {signal}"),
+        (None, None) => "unknown end".to_owned(),
+    }
+}

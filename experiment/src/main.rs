@@ -1,0 +1,7 @@
+//! The command `touchdown`.
+
+mod cli;
+
+fn main() -> std::process::ExitCode {
+    cli::main()
+}

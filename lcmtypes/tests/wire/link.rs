@@ -1,0 +1,171 @@
+//! Publishing and receiving, in memory and over multicast.
+
+use crate::samples::{Counting, Sample};
+use crate::{expect, udpm_url};
+use crossbeam::select;
+use lcmtypes::{LcmBuilder, LcmError, Message, RawMessage, Received, Refusal, Subscription};
+use spatial::ports::*;
+use std::time::Duration;
+
+pub(crate) const PATIENCE: Duration = Duration::from_secs(10);
+
+pub(crate) fn next<M: Clone>(subscription: &Subscription<M>) -> M {
+    subscription
+        .receiver()
+        .recv_timeout(PATIENCE)
+        .expect("a message within 10 s")
+        .message
+}
+
+fn task(step: i64) -> Task {
+    Task {
+        stamp: Stamp {
+            step,
+            ..Stamp::default()
+        },
+        ..Task::default()
+    }
+}
+
+#[test]
+fn a_message_arrives_as_it_was_published() {
+    for url in ["memq://".to_owned(), udpm_url()] {
+        let mut builder = expect(LcmBuilder::open(&url));
+        let states = builder.subscribe::<RobotState>(8);
+        let tasks = builder.subscribe::<Task>(8);
+        let lcm = expect(builder.start());
+        let sent = RobotState::sample(&mut Counting::default());
+        expect(lcm.publish(&sent));
+        let received = select! {
+            recv(states.receiver()) -> received => received.unwrap(),
+            recv(tasks.receiver()) -> _ => panic!("a message on another channel"),
+            default(PATIENCE) => panic!("nothing within 10 s on {url}"),
+        };
+        assert_eq!(received.message, sent);
+        assert_eq!(states.counters().received, 1);
+        assert_eq!(lcm.counters().received, 1);
+        assert_eq!(tasks.counters(), Default::default());
+    }
+}
+
+#[test]
+fn an_encoding_can_be_published_again() {
+    let mut builder = expect(LcmBuilder::open(&udpm_url()));
+    let all = builder.subscribe_all(8);
+    let lcm = expect(builder.start());
+    let encoded = Truth::sample(&mut Counting::default()).encode().unwrap();
+    for _ in 0..3 {
+        expect(lcm.publish_encoded(&encoded));
+        let expected = RawMessage {
+            channel: "SIM_TRUTH".to_owned(),
+            bytes: encoded.as_bytes().to_vec(),
+        };
+        assert_eq!(next(&all), expected);
+    }
+}
+
+#[test]
+fn a_full_queue_keeps_the_newest() {
+    for url in ["memq://".to_owned(), udpm_url()] {
+        let mut builder = expect(LcmBuilder::open(&url));
+        let tasks = builder.subscribe::<Task>(2);
+        let all = builder.subscribe_all(8);
+        let lcm = expect(builder.start());
+        for step in 1..=5 {
+            expect(lcm.publish(&task(step)));
+        }
+        // Subscriptions are served in their order: what `all` has, `tasks` has had.
+        (0..5).for_each(|_| drop(next(&all)));
+        assert_eq!([next(&tasks).stamp.step, next(&tasks).stamp.step], [4, 5]);
+        assert!(tasks.receiver().is_empty());
+        assert_eq!((tasks.counters().received, tasks.counters().dropped), (5, 3));
+        assert_eq!(lcm.counters().dropped, 3);
+    }
+}
+
+#[test]
+fn a_channel_is_matched_by_its_whole_name() {
+    for url in ["memq://".to_owned(), udpm_url()] {
+        let mut builder = expect(LcmBuilder::open(&url));
+        let tasks = builder.subscribe::<Task>(8);
+        let lcm = expect(builder.start());
+        let encoded = task(1).encode().unwrap();
+        for channel in ["TASKS", "A_TASK", "T.SK", ".*", "task", "TAS"] {
+            expect(lcm.publish_raw(channel, encoded.as_bytes()));
+        }
+        expect(lcm.publish(&task(2)));
+        assert_eq!(next(&tasks).stamp.step, 2);
+        assert_eq!(tasks.counters().received, 1);
+    }
+}
+
+#[test]
+fn an_undecodable_message_is_counted_and_explained() {
+    for url in ["memq://".to_owned(), udpm_url()] {
+        let mut builder = expect(LcmBuilder::open(&url));
+        let tasks = builder.subscribe::<Task>(8);
+        let lcm = expect(builder.start());
+        expect(lcm.publish_raw("TASK", &[]));
+        expect(lcm.publish_raw("TASK", &[1; 224]));
+        expect(lcm.publish(&task(1)));
+        assert_eq!(next(&tasks).stamp.step, 1);
+        assert_eq!((tasks.counters().undecodable, lcm.counters().undecodable), (2, 2));
+        let refusal = tasks.last_refusal().map(|refusal| refusal.to_string());
+        assert!(
+            refusal
+                .is_some_and(|text| text.starts_with("TASK carries fingerprint 0x0101010101010101, not 0x"))
+        );
+        assert!(matches!(lcm.last_refusal(), Some(Refusal::Undecodable(_))));
+    }
+}
+
+#[test]
+fn a_link_that_ends_disconnects_its_subscriptions() {
+    for url in ["memq://".to_owned(), udpm_url()] {
+        let mut builder = expect(LcmBuilder::open(&url));
+        let tasks = builder.subscribe::<Task>(8);
+        let all = builder.subscribe_all(8);
+        let lcm = expect(builder.start());
+        expect(lcm.publish(&task(1)));
+        next(&all);
+        drop(lcm);
+        let last: Vec<Received<Task>> = tasks.receiver().iter().collect();
+        assert_eq!(last.len(), 1);
+    }
+}
+
+#[test]
+fn any_thread_may_publish() {
+    let url = udpm_url();
+    let mut builder = expect(LcmBuilder::open(&url));
+    let tasks = builder.subscribe::<Task>(100);
+    let _receiving = expect(builder.start());
+    let lcm = expect(expect(LcmBuilder::open(&url)).start());
+    std::thread::scope(|scope| {
+        for thread in 0..4 {
+            let lcm = &lcm;
+            scope.spawn(move || (0..25).for_each(|i| expect(lcm.publish(&task(25 * thread + i)))));
+        }
+    });
+    let mut steps: Vec<i64> = (0..100).map(|_| next(&tasks).stamp.step).collect();
+    steps.sort_unstable();
+    assert_eq!(steps, (0..100).collect::<Vec<_>>());
+}
+
+#[test]
+fn nothing_unchecked_is_published() {
+    let lcm = expect(expect(LcmBuilder::open("memq://")).start());
+    let mut state = RobotState::sample(&mut Counting::default());
+    state.sample_count = 0;
+    let error = lcm.publish(&state).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "ROBOT_STATE is not published: robot_sample_count is 0, outside 1..=8; the message is refused"
+    );
+    for channel in ["", "A\0B", &"X".repeat(64)] {
+        assert!(matches!(
+            lcm.publish_raw(channel, &[]),
+            Err(LcmError::ChannelName(_))
+        ));
+    }
+}

@@ -1,0 +1,173 @@
+//! What a process publishes of itself, and what it must agree on with the others.
+
+use crate::scenario::Scenario;
+use hdrhistogram::Histogram;
+use spatial::ports::{Fault, Hello, Latencies, LinkQuality, NodeState, NodeStatus, PROTOCOL, Role, Stamp};
+use std::time::Duration;
+
+/// The hello of a node that runs `scenario` in the run `run_id`.
+pub fn hello(scenario: &Scenario, run_id: i64) -> Hello {
+    Hello {
+        run_id,
+        protocol: PROTOCOL,
+        ticks_per_cycle: scenario.timing.command_period_ticks as i32,
+        seed: scenario.timing.seed,
+        configuration_hash: scenario.hash(),
+    }
+}
+
+/// State, first fault, counts and answer times of a process.
+#[derive(Clone, Debug)]
+pub struct Health {
+    status: NodeStatus,
+    answers: Option<Histogram<u64>>,
+}
+
+/// Longest answer time told apart, ns.
+const LONGEST_NS: u64 = 10_000_000_000;
+
+impl Health {
+    /// A process that starts.
+    pub fn new(role: Role, hello: Hello) -> Self {
+        let status = NodeStatus {
+            stamp: Stamp {
+                step: -1,
+                ..Stamp::lockstep(0, hello.seed, role)
+            },
+            role,
+            host: host(),
+            state: NodeState::Starting,
+            fault: Fault::None,
+            fault_step: -1,
+            fault_peer: role,
+            fault_expected: 0,
+            fault_found: 0,
+            hello,
+            link: LinkQuality::default(),
+            answer: Latencies::default(),
+            lateness: Latencies::default(),
+            round_trip: Latencies::default(),
+            clock_offset_s: [0.0; 2],
+            clock_bound_s: [0.0; 2],
+            clock_rate: [0.0; 2],
+            slip_s: 0.0,
+            authenticated: false,
+            realtime: false,
+        };
+        Self {
+            status,
+            answers: Histogram::new_with_bounds(1, LONGEST_NS, 2).ok(),
+        }
+    }
+
+    /// What must agree with every peer.
+    pub fn hello(&self) -> &Hello {
+        &self.status.hello
+    }
+
+    /// Tick reached, -1 before the first.
+    pub fn step(&self) -> i64 {
+        self.status.stamp.step
+    }
+
+    /// Message counts, to be updated by who sends and receives.
+    pub fn link(&mut self) -> &mut LinkQuality {
+        &mut self.status.link
+    }
+
+    /// Reach `tick`, which took `answer` to answer.
+    pub fn reach(&mut self, tick: i64, answer: Duration) {
+        self.status.stamp = Stamp::lockstep(tick, self.status.hello.seed, self.status.role);
+        if self.status.state == NodeState::Starting {
+            self.status.state = NodeState::Running;
+        }
+        if let Some(histogram) = &mut self.answers {
+            histogram.saturating_record(u64::try_from(answer.as_nanos()).unwrap_or(LONGEST_NS));
+        }
+    }
+
+    /// The configured duration is over.
+    pub fn finish(&mut self) {
+        if self.status.state != NodeState::Fault {
+            self.status.state = NodeState::Finished;
+        }
+    }
+
+    /// Latch `fault`, which concerns `peer`; only the first cause is kept. Says whether it was the first.
+    pub fn latch(&mut self, fault: Fault, peer: Role, expected: i64, found: i64) -> bool {
+        if self.status.state == NodeState::Fault {
+            return false;
+        }
+        self.status.state = NodeState::Fault;
+        self.status.fault = fault;
+        self.status.fault_step = self.status.stamp.step;
+        self.status.fault_peer = peer;
+        self.status.fault_expected = expected;
+        self.status.fault_found = found;
+        true
+    }
+
+    /// Whether a fault is latched.
+    pub fn faulty(&self) -> bool {
+        self.status.state == NodeState::Fault
+    }
+
+    /// The message, now.
+    pub fn status(&self) -> NodeStatus {
+        NodeStatus {
+            answer: self.answers.as_ref().map_or(Latencies::default(), percentiles),
+            ..self.status
+        }
+    }
+}
+
+fn percentiles(histogram: &Histogram<u64>) -> Latencies {
+    let at = |percentile: f64| histogram.value_at_percentile(percentile) as f64 * 1e-9;
+    Latencies {
+        p50_s: at(50.0),
+        p99_s: at(99.0),
+        p999_s: at(99.9),
+        max_s: histogram.max() as f64 * 1e-9,
+    }
+}
+
+/// The host's name, zero-padded; cut where it is longer.
+fn host() -> [u8; 32] {
+    let mut padded = [0; 32];
+    let name = rustix::system::uname();
+    for (slot, byte) in padded.iter_mut().zip(name.nodename().to_bytes()) {
+        *slot = *byte;
+    }
+    padded
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_fault_is_kept() {
+        let mut health = Health::new(Role::Controller, Hello::default());
+        assert!(health.latch(Fault::LockstepBroken, Role::Robot, 4, 12));
+        assert!(!health.latch(Fault::PeerSilent, Role::Sensor, 0, 0));
+        health.finish();
+        let status = health.status();
+        assert_eq!(
+            (status.state, status.fault, status.fault_peer),
+            (NodeState::Fault, Fault::LockstepBroken, Role::Robot)
+        );
+        assert_eq!((status.fault_expected, status.fault_found), (4, 12));
+    }
+
+    #[test]
+    fn answer_times_are_published_as_percentiles() {
+        let mut health = Health::new(Role::Robot, Hello::default());
+        for tick in 1..=1000u64 {
+            health.reach(tick as i64, Duration::from_micros(tick));
+        }
+        let answer = health.status().answer;
+        assert!((answer.p50_s / 500e-6 - 1.0).abs() < 0.02 && (answer.p99_s / 990e-6 - 1.0).abs() < 0.02);
+        assert!((answer.max_s / 1e-3 - 1.0).abs() < 0.02);
+        assert_eq!(health.status().state, NodeState::Running);
+    }
+}

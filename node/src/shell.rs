@@ -1,0 +1,267 @@
+//! The shell of a process: flags, configuration, logging, signals, links and records.
+
+use crate::greeting::{self, Mismatch, role_name};
+use crate::health::{self, Health};
+use crate::record::Recorder;
+use crate::scenario::Scenario;
+use anyhow::Context;
+use crossbeam::channel::{Receiver, bounded};
+use lcmtypes::{Counters, Encoded, Lcm, LcmBuilder, Message};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
+use spatial::ports::{Fault, NodeStatus, Role, Stamp};
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// The flags of every node.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Flags {
+    /// Scenario file, the same for all nodes
+    #[arg(long, value_name = "FILE")]
+    pub scenario: PathBuf,
+    /// Change a value of the scenario, in all nodes alike, such as --set controller.law=pd
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// LCM URL of the device channels
+    #[arg(long, default_value = "udpm://239.255.76.67:7667?ttl=0")]
+    pub url: String,
+    /// LCM URL of the simulated world (SIM_*), which nothing should impair
+    #[arg(long, default_value = "udpm://239.255.76.67:7668?ttl=0")]
+    pub sim_url: String,
+    /// Identity of the run; nodes of different runs refuse each other
+    #[arg(long, default_value_t = 0)]
+    pub run_id: i64,
+    /// Write what this node publishes to an LCM event log
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
+    /// End when the process that started this one ends
+    #[arg(long)]
+    pub with_parent: bool,
+}
+
+/// What a node has at hand once its flags are read and its links are open.
+pub struct Shell {
+    /// The configuration.
+    pub scenario: Scenario,
+    /// What it publishes of itself.
+    pub health: Health,
+    /// Says when a signal asks the process to end.
+    pub stop: Receiver<()>,
+    recorder: Option<Recorder>,
+    role: Role,
+}
+
+/// What makes further work in lockstep impossible.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reaction {
+    /// The peer differs in what must agree.
+    Refused(Mismatch),
+    /// The peer skipped a tick or is another process than before.
+    Broken {
+        /// The peer.
+        peer: Role,
+        /// The tick expected.
+        expected: i64,
+        /// What came.
+        found: Stamp,
+    },
+}
+
+impl std::fmt::Display for Reaction {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Refused(mismatch) => mismatch.fmt(f),
+            Self::Broken {
+                peer,
+                expected,
+                found,
+            } => write!(
+                f,
+                "lockstep broken: {} sent tick {} (boot id {:x}), expected tick {expected}; restart all nodes",
+                role_name(*peer),
+                found.step,
+                found.boot_id
+            ),
+        }
+    }
+}
+
+impl Flags {
+    /// Start the process in `role`: logging to stderr, configuration, signals, record.
+    pub fn start(&self, role: Role) -> anyhow::Result<Shell> {
+        log_to_stderr();
+        if self.with_parent {
+            let term = rustix::process::Signal::TERM;
+            rustix::process::set_parent_process_death_signal(Some(term))
+                .context("can't follow the parent process")?;
+        }
+        let stop = signals()?;
+        let scenario = Scenario::load(&self.scenario, &self.set)?;
+        let recorder = self.record.as_deref().map(Recorder::create).transpose()?;
+        let health = Health::new(role, health::hello(&scenario, self.run_id));
+        tracing::info!(url = %self.url, "{} starts", role_name(role));
+        Ok(Shell {
+            scenario,
+            health,
+            stop,
+            recorder,
+            role,
+        })
+    }
+
+    /// Open the link of the device channels.
+    pub fn device_link(&self) -> anyhow::Result<LcmBuilder> {
+        Ok(LcmBuilder::open(&self.url)?)
+    }
+
+    /// Open the link of the simulated world.
+    pub fn simulation_link(&self) -> anyhow::Result<LcmBuilder> {
+        Ok(LcmBuilder::open(&self.sim_url)?)
+    }
+}
+
+impl Shell {
+    /// Check, encode, record and publish a new message; returns its bytes, to be repeated on request.
+    ///
+    /// A message that can't be encoded or sent is an error of this node: it latches and is logged once.
+    pub fn publish<M: Message>(&mut self, link: &Lcm, message: &M) -> Option<Encoded> {
+        let encoded = match message.encode() {
+            Ok(encoded) => encoded,
+            Err(invalid) => {
+                if self.latch(Fault::MessageInvalid, self.role, 0, 0) {
+                    tracing::error!("own message on {} can't be published: {invalid}", M::CHANNEL);
+                }
+                return None;
+            }
+        };
+        if let Some(recorder) = &self.recorder {
+            let recorded = recorder.record(message.stamp().step * spatial::TICK_US, &encoded);
+            if !recorded && self.health.latch(Fault::RecordFailed, self.role, 0, 0) {
+                tracing::error!(
+                    "the record can't be written any more; free the disk or run without --record"
+                );
+            }
+        }
+        self.send(link, &encoded);
+        Some(encoded)
+    }
+
+    /// Publish bytes again.
+    pub fn repeat(&mut self, link: &Lcm, encoded: &Encoded) {
+        self.health.link().repeated += 1;
+        self.send(link, encoded);
+    }
+
+    /// Publish this node's status; not recorded, it tells of wall-clock time.
+    pub fn publish_status(&mut self, link: &Lcm) {
+        if let Ok(encoded) = self.health.status().encode() {
+            self.send(link, &encoded);
+        }
+    }
+
+    /// Latch a fault; says whether it was the first.
+    pub fn latch(&mut self, fault: Fault, peer: Role, expected: i64, found: i64) -> bool {
+        self.health.latch(fault, peer, expected, found)
+    }
+
+    /// Answer the robot's status with the own one; refuse a robot that differs in what must agree.
+    ///
+    /// Only the clock master greets on its own: a node that reacts to nothing else can't multiply messages.
+    pub fn greet(&mut self, link: &Lcm, status: &NodeStatus) {
+        if status.role != Role::Robot {
+            return;
+        }
+        if let Err(mismatch) = greeting::compare(self.health.hello(), status) {
+            self.react(link, Reaction::Refused(mismatch));
+        }
+        self.publish_status(link);
+    }
+
+    /// Latch what makes further work impossible, tell it once and publish it.
+    pub fn react(&mut self, link: &Lcm, reaction: Reaction) {
+        let (fault, peer, expected, found) = match reaction {
+            Reaction::Refused(Mismatch {
+                peer,
+                expected,
+                found,
+                ..
+            }) => (Fault::HelloMismatch, peer, expected, found),
+            Reaction::Broken {
+                peer,
+                expected,
+                found,
+            } => (Fault::LockstepBroken, peer, expected, found.step),
+        };
+        if self.latch(fault, peer, expected, found) {
+            tracing::error!("{reaction}");
+            self.publish_status(link);
+        }
+    }
+
+    /// Take over what the links have counted.
+    pub fn count(&mut self, links: &[&Lcm]) {
+        let sum = links
+            .iter()
+            .map(|link| link.counters())
+            .fold(Counters::default(), |a, b| a + b);
+        let link = self.health.link();
+        link.received = sum.received as i64;
+        link.dropped = sum.dropped as i64;
+        link.undecodable = (sum.undecodable + sum.malformed) as i64;
+    }
+
+    /// End: the record is written to the end.
+    pub fn finish(mut self) -> anyhow::Result<()> {
+        if let Some(recorder) = self.recorder.take() {
+            recorder.close()?;
+        }
+        Ok(())
+    }
+
+    fn send(&mut self, link: &Lcm, encoded: &Encoded) {
+        match link.publish_encoded(encoded) {
+            Ok(()) => self.health.link().published += 1,
+            // A full socket buffer is a lost datagram: lockstep repeats it.
+            Err(error) => tracing::debug!("{error}"),
+        }
+    }
+}
+
+/// Run a program's body and turn an error into a message and exit code 1.
+pub fn run(body: impl FnOnce() -> anyhow::Result<()>) -> ExitCode {
+    match body() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            // Chains are told outermost first; a scenario's list of problems stands line by line.
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Log to stderr; `RUST_LOG` chooses what (default: info).
+pub fn log_to_stderr() {
+    let filter = tracing_subscriber::EnvFilter::try_from_default_env()
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("info"));
+    // A second call, in a test, keeps the first subscriber.
+    let _ = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_ansi(std::io::stderr().is_terminal())
+        .with_target(false)
+        .without_time()
+        .try_init();
+}
+
+/// A receiver that gets one message for each signal that asks the process to end.
+pub fn signals() -> anyhow::Result<Receiver<()>> {
+    let mut signals = Signals::new([SIGTERM, SIGINT, SIGHUP]).context("can't handle signals")?;
+    let (sender, receiver) = bounded(4);
+    std::thread::spawn(move || {
+        for _ in signals.forever() {
+            let _ = sender.try_send(());
+        }
+    });
+    Ok(receiver)
+}

@@ -1,0 +1,5 @@
+//! Multi-process tests over real LCM, in one binary.
+
+mod bits;
+mod failures;
+mod runs;
