@@ -2,7 +2,8 @@
 
 mod panel;
 
-use crate::metrics::{ForceCurve, Metrics};
+use crate::metrics::{ForceCurve, Metrics, Recording};
+use node::scenario::Scenario;
 use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -22,6 +23,21 @@ pub struct LabelledCurve {
     pub measured: ForceCurve,
     /// The figures of the run.
     pub metrics: Metrics,
+}
+
+impl LabelledCurve {
+    /// The curve of a recorded run with `law`, and what the controller `measured`; `None`: without contact, or
+    /// with less than the judged window after it.
+    pub fn new(law: &str, scenario: &Scenario, recording: &Recording, measured: ForceCurve) -> Option<Self> {
+        Some(Self {
+            law: law.to_owned(),
+            title: title(law),
+            desired_force_n: scenario.task.desired_force_n,
+            curve: recording.force_curve()?,
+            measured,
+            metrics: recording.metrics()?,
+        })
+    }
 }
 
 /// Why there is no figure.

@@ -133,8 +133,7 @@ fn experiment_of(
     let (recording, measured) = Recording::from_transcript(scenario, &entries);
     let csv = plan.directory.join(format!("{law}.csv"));
     fs::write(&csv, recording.csv()).with_context(|| format!("can't write {}", csv.display()))?;
-    let (Some(metrics), Some(curve), Some(measured)) =
-        (recording.metrics(), recording.force_curve(), measured)
+    let Some(curve) = measured.and_then(|measured| LabelledCurve::new(law, scenario, &recording, measured))
     else {
         bail!(
             "law {law}: no contact, or less than 1.5 s after it, within {} s; raise timing.duration_s or \
@@ -143,34 +142,13 @@ fn experiment_of(
             plan.directory.display()
         );
     };
-    let row = Row::single(
-        &word(scenario.robot.gears),
-        &word(scenario.robot.kinematics),
-        law,
-        metrics,
-    );
-    let curve = LabelledCurve {
-        law: law.to_owned(),
-        title: title(law),
-        desired_force_n: scenario.task.desired_force_n,
-        curve,
-        measured,
-        metrics,
-    };
-    Ok((row, curve))
+    let (gears, kinematics) = (word(scenario.robot.gears), word(scenario.robot.kinematics));
+    Ok((Row::single(&gears, &kinematics, law, curve.metrics), curve))
 }
 
 /// A choice as the scenario spells it: `Rigid` is `rigid`.
 fn word(choice: impl std::fmt::Debug) -> String {
     format!("{choice:?}").to_lowercase()
-}
-
-fn title(law: &str) -> String {
-    match law {
-        "pd" => "pd, eq. (1)".to_owned(),
-        "proposed" => "proposed, eqs. (2), (9)-(12)".to_owned(),
-        other => other.to_owned(),
-    }
 }
 
 /// On a terminal, and nowhere else.
