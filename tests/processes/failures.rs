@@ -259,7 +259,6 @@ fn without_a_multicast_route_the_remedy_is_named() {
 }
 
 /// Start an endless run and wait until its nodes are there.
-#[expect(clippy::zombie_processes, reason = "the caller waits for it")]
 fn started(directory: &Path) -> (std::process::Child, Vec<i32>) {
     let mut command = run_into(directory);
     command.args(["--set", "timing.duration_s=86400", "--laws", "proposed"]);
