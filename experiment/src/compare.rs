@@ -1,7 +1,7 @@
 //! Every law on every plant over contact phases and seeds, in process and on all cores.
 
 use crate::in_process;
-use crate::metrics::{Metrics, Recording};
+use crate::metrics::{Metrics, Recording, WINDOW_S};
 use crate::table::Row;
 use node::scenario::{Scenario, ScenarioError};
 use rayon::prelude::*;
@@ -80,8 +80,8 @@ pub enum NoFigures {
     },
     /// It ended too early.
     #[error(
-        "contact at {contact_s:.3} s and end at {duration_s} s leave less than the judged window; \
-         raise timing.duration_s"
+        "contact at {contact_s:.3} s and end at {duration_s} s leave less than the \
+         {WINDOW_S} s that are judged; raise timing.duration_s"
     )]
     TooShort {
         /// First contact, s.
@@ -201,11 +201,6 @@ pub fn variations(scenario: &Scenario, phases: usize, seeds: usize) -> Vec<Scena
         }
     }
     all
-}
-
-/// Run all `variations` and summarise their figures; `None` where a run gave none.
-pub fn summarise(variations: &[Scenario]) -> Option<Summary> {
-    Summary::of(&outcomes(variations, || ()))
 }
 
 /// The figures of all `variations` in their order, calling `done` after every run. They do not depend on the

@@ -8,7 +8,7 @@ use spatial::ports::{ControllerStatus, Truth};
 use spatial::{TICK_S, rotation};
 
 /// How long after the first contact is judged, s.
-const WINDOW_S: f64 = 1.5;
+pub const WINDOW_S: f64 = 1.5;
 /// The end of that window, over which steady values are averaged, s.
 const STEADY_S: f64 = 0.3;
 

@@ -5,7 +5,7 @@ use anyhow::{Context, Result, bail};
 use crossbeam::channel::Receiver;
 use experiment::figure::{LabelledCurve, force_figure};
 use experiment::launch::{self, LaunchError, Plan, Wiring};
-use experiment::metrics::Recording;
+use experiment::metrics::{Recording, WINDOW_S};
 use experiment::run_port::RunPort;
 use experiment::table::{Row, Table};
 use experiment::transcript;
@@ -110,10 +110,12 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
         })?;
     } else {
         print(Table(&rows))?;
-        let out = args.out.display();
+        let data = |law: &String| format!("{0}.lcmlog, {0}.csv", args.out.join(law).display());
+        let data: Vec<_> = args.laws.iter().map(data).collect();
         print(format_args!(
-            "\nfigure: {}\ndata:   {out}/LAW.lcmlog, {out}/LAW.csv\n",
-            figure.display()
+            "\nfigure: {}\ndata:   {}\n",
+            figure.display(),
+            data.join(", ")
         ))?;
     }
     Ok(ExitCode::SUCCESS)
@@ -136,7 +138,7 @@ fn experiment_of(
     let Some(curve) = measured.and_then(|measured| LabelledCurve::new(law, scenario, &recording, measured))
     else {
         bail!(
-            "law {law}: no contact, or less than 1.5 s after it, within {} s; raise timing.duration_s or \
+            "law {law}: no contact, or less than {WINDOW_S} s after it, within {} s; raise timing.duration_s or \
              task.search_depth_m; the data are in {}",
             scenario.timing.duration_s,
             plan.directory.display()
