@@ -27,6 +27,26 @@ pub enum Gears {
     Rigid,
 }
 
+/// Which actual pose is taken to belong to a deflection.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pairing {
+    /// The one at the deflection's sampling instant.
+    #[default]
+    Sampling,
+    /// The one that arrived last.
+    Arrival,
+}
+
+/// What a compliant sensor puts out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SensorOutput {
+    /// Deflections.
+    #[default]
+    Deflection,
+    /// Forces and moments, computed with the sensor's own calibration.
+    Force,
+}
+
 /// A value that a scenario names by a word.
 pub(super) trait Choice: Debug {
     /// The words to choose from.
@@ -43,14 +63,14 @@ pub(super) trait Choice: Debug {
 }
 
 macro_rules! choice {
-    ($type:ident: $($word:literal => $variant:ident),+; planned: $($planned:literal),+) => {
+    ($type:ident: $($word:literal => $variant:ident),+; planned: $($planned:literal),*) => {
         impl Choice for $type {
             fn words(&self) -> &'static [&'static str] {
                 &[$($word),+]
             }
 
             fn planned(&self) -> &'static [&'static str] {
-                &[$($planned),+]
+                &[$($planned),*]
             }
 
             fn word(&self) -> &'static str {
@@ -72,4 +92,6 @@ macro_rules! choice {
 choice!(TimingMode: "lockstep" => Lockstep; planned: "realtime");
 choice!(Kinematics: "gantry" => Gantry; planned: "arm");
 choice!(Gears: "rigid" => Rigid; planned: "elastic");
-choice!(Law: "pd" => Pd, "proposed" => Proposed; planned: "literal", "pd-reset", "elastic", "ros2", "fzi");
+choice!(Pairing: "sampling" => Sampling, "arrival" => Arrival; planned: );
+choice!(SensorOutput: "deflection" => Deflection, "force" => Force; planned: );
+choice!(Law: "pd" => Pd, "proposed" => Proposed, "literal" => Literal; planned: "pd-reset", "elastic", "ros2", "fzi");

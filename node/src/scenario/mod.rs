@@ -19,7 +19,7 @@ mod schema;
 mod tests;
 mod value;
 
-pub use choice::{Gears, Kinematics, TimingMode};
+pub use choice::{Gears, Kinematics, Pairing, SensorOutput, TimingMode};
 pub use error::ScenarioError;
 pub use schema::{Allowed, Key};
 pub use spatial::ports::Law;
@@ -170,6 +170,10 @@ schema::section! {
     Controller at "controller" with pd: Pd, proposed: Proposed {
         /// Control law.
         law: Law = Law::Proposed;
+        /// Which actual pose is taken to belong to a deflection.
+        pairing: Pairing = Pairing::Sampling;
+        /// Which output of the sensor is used.
+        sensor_output: SensorOutput = SensorOutput::Deflection;
         /// How long the deflection is averaged at standstill to become zero force.
         tare_s: f64 = 0.2, in 1e-3..=60.0;
         /// Assumed translational compliance of the sensor.
