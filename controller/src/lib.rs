@@ -17,6 +17,7 @@
 
 pub mod approach;
 pub mod command_dynamics;
+pub mod contact;
 pub mod detection;
 pub mod law;
 pub mod literal;
@@ -30,7 +31,6 @@ pub mod transform;
 mod motion;
 mod status;
 
-use law::ContactSample;
 use motion::Motion;
 use nalgebra::Vector3;
 use node::scenario::{self, Pairing, Scenario, SensorOutput};

@@ -1,6 +1,6 @@
 //! The paper's task description taken literally, sample by sample.
 
-use crate::law::{Aim, ContactSample};
+use crate::contact::{Aim, ContactSample};
 
 /// Paper (2): `x_d(k) = x_a(k) + C (f(k) - f_d)`, commanded as it is.
 ///

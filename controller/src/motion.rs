@@ -1,12 +1,13 @@
 //! The task once the tare is known: approach, contact, and the way from heights to axes.
 
+use crate::Settings;
 use crate::approach::{Approach, PathPoint, spread};
 use crate::command_dynamics::CommandDynamics;
+use crate::contact::{Aim, ContactSample};
 use crate::detection::Detector;
-use crate::law::{Aim, NormalLaw};
+use crate::law::NormalLaw;
 use crate::posture::Posture;
 use crate::transform::compliance_along;
-use crate::{ContactSample, Settings};
 use nalgebra::Vector3;
 use spatial::kinematics::{Axes, Gantry};
 use spatial::ports::{DeflectionSample, HORIZON};

@@ -1,7 +1,7 @@
 //! The object as the sensor sees it: eqs. (2) and (12) as a model that is measured once and then refined.
 
 use crate::command_dynamics::CommandDynamics;
-use crate::law::{Aim, ContactSample};
+use crate::contact::{Aim, ContactSample};
 use node::scenario;
 use spatial::ports::HORIZON;
 use std::f64::consts::TAU;

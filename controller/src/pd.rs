@@ -1,6 +1,6 @@
 //! The standard law of industrial robots: pd or admittance control.
 
-use crate::law::{Aim, ContactSample};
+use crate::contact::{Aim, ContactSample};
 use node::scenario;
 
 /// Paper (1): `x_c(k) = x_c(k-1) + K (f(k) - f_d) + D (f(k) - f(k-1))`, on the contact's normal.
