@@ -56,11 +56,14 @@ pub struct Surface<'a> {
     pub height: f64,
 }
 
-struct Rates {
+/// The time derivative of a [`State`] and of the [`Work`].
+#[derive(Clone, Copy, Debug)]
+pub struct Rates {
     velocity: Vector3<f64>,
     acceleration: Vector3<f64>,
     quaternion: Quaternion<f64>,
     angular_acceleration: Vector3<f64>,
+    /// Powers, W.
     work: Work,
 }
 
@@ -171,27 +174,12 @@ impl Body {
         let k2 = self.rates(&state.advanced(&k1, half), &middle, surface);
         let k3 = self.rates(&state.advanced(&k2, half), &middle, surface);
         let k4 = self.rates(&state.advanced(&k3, step), &link.at(time + step), surface);
-        let mean = |f: fn(&Rates) -> Vector3<f64>| (f(&k1) + (f(&k2) + f(&k3)) * 2.0 + f(&k4)) / 6.0;
-        let sum = |f: fn(&Work) -> f64| {
-            step / 6.0 * (f(&k1.work) + 2.0 * (f(&k2.work) + f(&k3.work)) + f(&k4.work))
-        };
-        let rates = Rates {
-            velocity: mean(|k| k.velocity),
-            acceleration: mean(|k| k.acceleration),
-            quaternion: (k1.quaternion + (k2.quaternion + k3.quaternion) * 2.0 + k4.quaternion) / 6.0,
-            angular_acceleration: mean(|k| k.angular_acceleration),
-            work: Work::default(),
-        };
-        let work = Work {
-            by_link: sum(|w| w.by_link),
-            dissipated: sum(|w| w.dissipated),
-            on_object: sum(|w| w.on_object),
-        };
-        (state.advanced(&rates, step), work)
+        let rates = Rates::mean(&k1, &k2, &k3, &k4);
+        (state.advanced(&rates, step), rates.work.over(step))
     }
 
     /// The equations of motion (PLANT.md section 1) for a link that moves like `link`.
-    fn rates(&self, state: &State, link: &Motion, surface: &Surface) -> Rates {
+    pub fn rates(&self, state: &State, link: &Motion, surface: &Surface) -> Rates {
         let rotation = state.rotation.to_rotation_matrix();
         let com = rotation * self.centre_of_mass;
         let lever = rotation * (self.tcp - self.centre_of_mass);
@@ -223,9 +211,40 @@ impl Body {
     }
 }
 
+impl Rates {
+    /// The mean over a step of the classical Runge-Kutta method, `(k1 + 2 (k2 + k3) + k4) / 6`.
+    pub fn mean(k1: &Self, k2: &Self, k3: &Self, k4: &Self) -> Self {
+        let mean = |f: fn(&Rates) -> Vector3<f64>| (f(k1) + (f(k2) + f(k3)) * 2.0 + f(k4)) / 6.0;
+        let power =
+            |f: fn(&Work) -> f64| (f(&k1.work) + 2.0 * (f(&k2.work) + f(&k3.work)) + f(&k4.work)) / 6.0;
+        Self {
+            velocity: mean(|k| k.velocity),
+            acceleration: mean(|k| k.acceleration),
+            quaternion: (k1.quaternion + (k2.quaternion + k3.quaternion) * 2.0 + k4.quaternion) / 6.0,
+            angular_acceleration: mean(|k| k.angular_acceleration),
+            work: Work {
+                by_link: power(|w| w.by_link),
+                dissipated: power(|w| w.dissipated),
+                on_object: power(|w| w.on_object),
+            },
+        }
+    }
+}
+
+impl Work {
+    /// What these powers, W, do in `time` s.
+    fn over(&self, time: f64) -> Self {
+        Self {
+            by_link: self.by_link * time,
+            dissipated: self.dissipated * time,
+            on_object: self.on_object * time,
+        }
+    }
+}
+
 impl State {
     /// The state after `time` s at constant `rates`.
-    fn advanced(&self, rates: &Rates, time: f64) -> Self {
+    pub fn advanced(&self, rates: &Rates, time: f64) -> Self {
         Self {
             position: self.position + rates.velocity * time,
             velocity: self.velocity + rates.acceleration * time,
