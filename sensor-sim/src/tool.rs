@@ -175,7 +175,15 @@ impl Body {
         let k3 = self.rates(&state.advanced(&k2, half), &middle, surface);
         let k4 = self.rates(&state.advanced(&k3, step), &link.at(time + step), surface);
         let rates = Rates::mean(&k1, &k2, &k3, &k4);
-        (state.advanced(&rates, step), rates.work.over(step))
+        let sum = |f: fn(&Work) -> f64| {
+            step / 6.0 * (f(&k1.work) + 2.0 * (f(&k2.work) + f(&k3.work)) + f(&k4.work))
+        };
+        let work = Work {
+            by_link: sum(|w| w.by_link),
+            dissipated: sum(|w| w.dissipated),
+            on_object: sum(|w| w.on_object),
+        };
+        (state.advanced(&rates, step), work)
     }
 
     /// The equations of motion (PLANT.md section 1) for a link that moves like `link`.
@@ -212,32 +220,15 @@ impl Body {
 }
 
 impl Rates {
-    /// The mean over a step of the classical Runge-Kutta method, `(k1 + 2 (k2 + k3) + k4) / 6`.
+    /// The mean over a step of the classical Runge-Kutta method, `(k1 + 2 (k2 + k3) + k4) / 6`, without powers.
     pub fn mean(k1: &Self, k2: &Self, k3: &Self, k4: &Self) -> Self {
         let mean = |f: fn(&Rates) -> Vector3<f64>| (f(k1) + (f(k2) + f(k3)) * 2.0 + f(k4)) / 6.0;
-        let power =
-            |f: fn(&Work) -> f64| (f(&k1.work) + 2.0 * (f(&k2.work) + f(&k3.work)) + f(&k4.work)) / 6.0;
         Self {
             velocity: mean(|k| k.velocity),
             acceleration: mean(|k| k.acceleration),
             quaternion: (k1.quaternion + (k2.quaternion + k3.quaternion) * 2.0 + k4.quaternion) / 6.0,
             angular_acceleration: mean(|k| k.angular_acceleration),
-            work: Work {
-                by_link: power(|w| w.by_link),
-                dissipated: power(|w| w.dissipated),
-                on_object: power(|w| w.on_object),
-            },
-        }
-    }
-}
-
-impl Work {
-    /// What these powers, W, do in `time` s.
-    fn over(&self, time: f64) -> Self {
-        Self {
-            by_link: self.by_link * time,
-            dissipated: self.dissipated * time,
-            on_object: self.on_object * time,
+            work: Work::default(),
         }
     }
 }
