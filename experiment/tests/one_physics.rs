@@ -12,8 +12,9 @@ use nalgebra::Vector3;
 use node::scenario::Scenario;
 use robot_sim::command_path::CommandPath;
 use robot_sim::servo::{Servo, ServoParameters};
-use sensor_sim::contact::Contact;
-use sensor_sim::tool::{Body, Rates, State, Surface};
+use sensor_sim::contacts::Contacts;
+use sensor_sim::object::Base;
+use sensor_sim::tool::{Body, Rates, State, Surroundings};
 use spatial::kinematics::Axes;
 use spatial::ports::{Command, Truth};
 use spatial::{Deflection, Motion, MotionSegment, Pose, TICK_S};
@@ -40,7 +41,7 @@ fn in_line() -> Scenario {
 struct Whole {
     scenario: Scenario,
     body: Body,
-    contact: Contact,
+    contacts: Contacts,
     servo: Servo,
     path: CommandPath,
     /// Of s, whose position (m) and velocity (m/s) along z are the robot's.
@@ -74,7 +75,7 @@ impl Whole {
         axes.fixed_rows_mut::<3>(0).copy_from(&start);
         Self {
             scenario: scenario.clone(),
-            contact: Contact::new(&scenario.object),
+            contacts: Contacts::new(&scenario.tool, &scenario.object),
             servo: Servo::new(servo, start.z),
             path: CommandPath::new(
                 scenario.timing.command_period_ticks,
@@ -127,7 +128,7 @@ impl Whole {
             };
             let rates = |(link, tool): &(Motion, State)| {
                 let force = self.sensor_force(link, tool);
-                let rates = self.body.rates(tool, link, &self.surface());
+                let rates = self.body.rates(tool, link, &self.contacts, &self.base());
                 (link.velocity.z, self.acceleration(torque, force), rates)
             };
             let k1 = rates(&(link, tool));
@@ -159,9 +160,12 @@ impl Whole {
             alone.suspension.damping_ns_per_m = 0.0;
             alone.weight.z += force;
             for i in 0..HELD {
-                self.tool = alone
-                    .integrate(&self.tool, &still, 0.0, STEP_S, &self.surface())
-                    .0;
+                let around = Surroundings {
+                    link: &still,
+                    start_s: 0.0,
+                    contacts: &self.contacts,
+                };
+                self.tool = alone.integrate(&self.tool, &around, 0.0, STEP_S).0;
                 self.remember(tick, exchange * HELD + i);
             }
             let time = HELD as f64 * STEP_S;
@@ -170,30 +174,31 @@ impl Whole {
         }
     }
 
-    fn surface(&self) -> Surface<'_> {
-        Surface {
-            contact: &self.contact,
-            height: self.scenario.object.height_m,
-        }
+    /// The object, which is at rest.
+    fn base(&self) -> Base {
+        self.contacts.object().base(0.0)
     }
 
     fn remember(&mut self, tick: i64, step: usize) {
-        let h = self.body.indentation(&self.tool, self.scenario.object.height_m);
+        let base = self.base();
+        let h = self.contacts.deepest(&self.tool, &base).indentation_m;
         if h > 0.0 && self.first_contact_s < 0.0 {
             self.first_contact_s = tick as f64 * TICK_S + step as f64 * STEP_S;
         }
-        self.contact.remember(h);
+        self.contacts.remember(&self.tool, &base);
     }
 
     /// The truth now, as far as the figures need it.
     fn truth(&self, template: &Truth) -> Truth {
         let tcp_pose = self.body.tcp_motion(&self.tool).0;
         let s_from_t = Pose::from_parts(self.body.tcp.into(), Default::default());
-        let h = self.body.indentation(&self.tool, self.scenario.object.height_m);
         Truth {
             tcp_pose,
             tcp_deflection: Deflection::from_pose(&((self.link.pose * s_from_t).inverse() * tcp_pose)),
-            contact_force: Vector3::new(0.0, 0.0, self.contact.force(h)),
+            contact_force: self
+                .contacts
+                .load(&self.tool, self.tool.rotation, &self.base())
+                .force,
             first_contact_time_s: self.first_contact_s,
             ..*template
         }

@@ -27,6 +27,18 @@ pub enum Gears {
     Rigid,
 }
 
+/// What of the tool may touch the object.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ToolShape {
+    /// Its tcp.
+    #[default]
+    Point,
+    /// The four corners of a rectangle around the tcp.
+    Face,
+    /// A cylinder along z whose end is centred at the tcp: a ring of points at its end, another one above.
+    Peg,
+}
+
 /// A value that a scenario names by a word.
 pub(super) trait Choice: Debug {
     /// The words to choose from.
@@ -43,14 +55,14 @@ pub(super) trait Choice: Debug {
 }
 
 macro_rules! choice {
-    ($type:ident: $($word:literal => $variant:ident),+; planned: $($planned:literal),+) => {
+    ($type:ident: $($word:literal => $variant:ident),+; planned: $($planned:literal),*) => {
         impl Choice for $type {
             fn words(&self) -> &'static [&'static str] {
                 &[$($word),+]
             }
 
             fn planned(&self) -> &'static [&'static str] {
-                &[$($planned),+]
+                &[$($planned),*]
             }
 
             fn word(&self) -> &'static str {
@@ -72,4 +84,5 @@ macro_rules! choice {
 choice!(TimingMode: "lockstep" => Lockstep; planned: "realtime");
 choice!(Kinematics: "gantry" => Gantry; planned: "arm");
 choice!(Gears: "rigid" => Rigid; planned: "elastic");
+choice!(ToolShape: "point" => Point, "face" => Face, "peg" => Peg; planned:);
 choice!(Law: "pd" => Pd, "proposed" => Proposed; planned: "literal", "pd-reset", "elastic", "ros2", "fzi");
