@@ -31,12 +31,7 @@ impl Dynamics {
         let (robot, sensor, tool) = (&scenario.robot, &scenario.sensor, &scenario.tool);
         Self {
             inertia: Axes::from(robot.motor_inertia_kg_m2) + Axes::from(robot.link_inertia_kg_m2),
-            suspension: ToolSuspension {
-                stiffness_n_per_m: sensor.stiffness_n_per_m,
-                stiffness_nm_per_rad: sensor.stiffness_nm_per_rad,
-                damping_ns_per_m: sensor.damping_ns_per_m,
-                damping_nms_per_rad: sensor.damping_nms_per_rad,
-            },
+            suspension: sensor.suspension(),
             tool_mass: tool.mass_kg,
             tool_centre_of_mass: tool.centre_of_mass_in_s_m.into(),
             gantry: Gantry,

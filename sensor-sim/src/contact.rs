@@ -18,12 +18,12 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// An untouched surface.
-    pub fn new(object: &scenario::Object) -> Self {
+    /// An untouched surface, of whose stiffness this contact has the `share` (1: all).
+    pub fn new(object: &scenario::Object, share: f64) -> Self {
         let fraction = libm::pow(1.0 / object.rebound_ratio, 1.0 / object.exponent);
         Self {
-            indentation_n_per_m: object.indentation_n_per_m,
-            rebound_n_per_m: object.indentation_n_per_m * object.rebound_ratio,
+            indentation_n_per_m: object.indentation_n_per_m * share,
+            rebound_n_per_m: object.indentation_n_per_m * object.rebound_ratio * share,
             exponent: object.exponent,
             remaining_fraction: 1.0 - fraction,
             deepest_m: 0.0,
@@ -72,11 +72,12 @@ mod tests {
     use proptest::prelude::*;
 
     fn contact(rebound_ratio: f64, exponent: f64) -> Contact {
-        Contact::new(&scenario::Object {
+        let object = scenario::Object {
             rebound_ratio,
             exponent,
             ..Default::default()
-        })
+        };
+        Contact::new(&object, 1.0)
     }
 
     proptest! {

@@ -5,16 +5,19 @@
 //! equations live in the controller alone, so that a sign error can't cancel itself.
 
 pub mod contact;
+pub mod contacts;
+pub mod object;
 pub mod signal;
 pub mod tool;
 
-use contact::Contact;
+use contacts::Contacts;
 use nalgebra::Vector3;
 use node::scenario::Scenario;
-use signal::SignalChain;
+use object::Base;
+use signal::{Reading, SignalChain};
 use spatial::ports::{Authenticity, ClockEcho, Deflections, LinkMotion, Role, Stamp, ToolMotion, Truth};
-use spatial::{Deflection, Motion, MotionSegment, Pose, TICK_S};
-use tool::{Body, State, Surface, Work};
+use spatial::{Deflection, Motion, MotionSegment, Pose, TICK_S, Wrench};
+use tool::{Body, State, Surroundings, Work};
 
 /// What one tick brings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,8 +35,7 @@ pub struct Outputs {
 pub struct SensorSim {
     seed: i64,
     body: Body,
-    contact: Contact,
-    object_height_m: f64,
+    contacts: Contacts,
     s_from_t: Pose,
     step_s: f64,
     steps_per_tick: usize,
@@ -61,14 +63,13 @@ impl SensorSim {
         Self {
             seed,
             body,
-            contact: Contact::new(&scenario.object),
-            object_height_m: scenario.object.height_m,
+            contacts: Contacts::new(&scenario.tool, &scenario.object),
             s_from_t: spatial::pose(scenario.tool.tcp_in_s_m.into(), Vector3::zeros()),
             step_s: TICK_S / steps,
             steps_per_tick: steps as usize,
             state,
             link: *link,
-            chain: SignalChain::new(&scenario.sensor, seed, &deflection(&body, &state, link)),
+            chain: SignalChain::new(&scenario.sensor, seed, &reading(&body, &state, link)),
             work: Work::default(),
             contact_force_peak_n: 0.0,
             first_contact: None,
@@ -89,50 +90,59 @@ impl SensorSim {
     }
 
     fn integrate(&mut self, start_tick: i64, end: &Motion) {
+        let start_s = start_tick as f64 * TICK_S;
         let segment = MotionSegment::new(self.link, *end, TICK_S);
-        let mut before = deflection(&self.body, &self.state, &self.link);
-        let mut h_before = self.body.indentation(&self.state, self.object_height_m);
+        let mut before = reading(&self.body, &self.state, &self.link);
+        let mut h_before = self
+            .contacts
+            .deepest(&self.state, &self.base(start_s))
+            .indentation_m;
         for i in 0..self.steps_per_tick {
             let time = i as f64 * self.step_s;
-            let surface = Surface {
-                contact: &self.contact,
-                height: self.object_height_m,
+            let around = Surroundings {
+                link: &segment,
+                start_s,
+                contacts: &self.contacts,
             };
-            let (state, work) = self
-                .body
-                .integrate(&self.state, &segment, time, self.step_s, &surface);
+            let (state, work) = self.body.integrate(&self.state, &around, time, self.step_s);
             self.state = state;
             self.work.by_link += work.by_link;
             self.work.dissipated += work.dissipated;
             self.work.on_object += work.on_object;
 
-            let h = self.body.indentation(&self.state, self.object_height_m);
+            let base = self.base(start_s + time + self.step_s);
+            let h = self.contacts.deepest(&self.state, &base).indentation_m;
             if h > 0.0 {
                 if self.first_contact.is_none() {
                     let inside = self.step_s * (-h_before / (h - h_before));
                     self.first_contact = Some(FirstContact {
-                        time_s: start_tick as f64 * TICK_S + time + inside,
+                        time_s: start_s + time + inside,
                         speed_m_per_s: (h - h_before) / self.step_s,
                     });
                 }
-                self.contact_force_peak_n = self.contact_force_peak_n.max(self.contact.force(h));
+                let force = self.contacts.load(&self.state, self.state.rotation, &base).force;
+                self.contact_force_peak_n = self.contact_force_peak_n.max(force.norm());
             }
-            self.contact.remember(h);
+            self.contacts.remember(&self.state, &base);
             h_before = h;
 
-            let now = deflection(&self.body, &self.state, &segment.at(time + self.step_s));
+            let now = reading(&self.body, &self.state, &segment.at(time + self.step_s));
             self.chain.follow(&before, &now, self.step_s);
             before = now;
         }
     }
 
+    /// Where the object is at `time`, s after the start.
+    fn base(&self, time: f64) -> Base {
+        self.contacts.object().base(time)
+    }
+
     fn outputs(&mut self, tick: i64) -> Outputs {
         let stamp = Stamp::lockstep(tick, self.seed, Role::Sensor);
-        let surface = Surface {
-            contact: &self.contact,
-            height: self.object_height_m,
-        };
-        let motion = self.body.plate_motion(&self.state, &self.link, &surface);
+        let base = self.base(tick as f64 * TICK_S);
+        let motion = self
+            .body
+            .plate_motion(&self.state, &self.link, &self.contacts, &base);
         let samples = self.chain.sample(tick);
         Outputs {
             tool_motion: ToolMotion { stamp, motion },
@@ -145,24 +155,24 @@ impl SensorSim {
                 echo: ClockEcho::default(),
                 authenticity: Authenticity::default(),
             },
-            truth: self.truth(stamp),
+            truth: self.truth(stamp, &base),
         }
     }
 
-    fn truth(&self, stamp: Stamp) -> Truth {
+    fn truth(&self, stamp: Stamp, base: &Base) -> Truth {
         let (tcp_pose, tcp_velocity) = self.body.tcp_motion(&self.state);
-        let h = self.body.indentation(&self.state, self.object_height_m);
+        let deepest = self.contacts.deepest(&self.state, base);
         let r_from_ta = self.link.pose * self.s_from_t;
         Truth {
             stamp,
             tcp_pose,
             tcp_velocity,
             tcp_deflection: Deflection::from_pose(&(r_from_ta.inverse() * tcp_pose)),
-            contact_force: Vector3::new(0.0, 0.0, self.contact.force(h)),
+            contact_force: self.contacts.load(&self.state, self.state.rotation, base).force,
             contact_force_peak_n: self.contact_force_peak_n,
-            indentation_m: h,
-            remaining_indentation_m: self.contact.remaining_m(),
-            object_height_m: self.object_height_m,
+            indentation_m: deepest.indentation_m,
+            remaining_indentation_m: deepest.remaining_m,
+            object_height_m: self.contacts.height_m(&self.state, base),
             first_contact_speed_m_per_s: self.first_contact.map_or(0.0, |c| c.speed_m_per_s),
             first_contact_time_s: self.first_contact.map_or(-1.0, |c| c.time_s),
             kinetic_energy_j: self.body.kinetic_energy(&self.state),
@@ -178,7 +188,19 @@ impl SensorSim {
     }
 }
 
-/// The true deflection s -> s' in s.
-fn deflection(body: &Body, state: &State, link: &Motion) -> Deflection {
-    Deflection::from_pose(&(link.pose.inverse() * body.plate(state).pose))
+/// What the sensor feels before its signal chain: the deflection s -> s' and the wrench on it at s, both in s.
+fn reading(body: &Body, state: &State, link: &Motion) -> Reading {
+    let plate = body.plate(state);
+    let deflection = Deflection::from_pose(&(link.pose.inverse() * plate.pose));
+    // What the suspension exerts on the tool, the tool exerts on the sensor, the other way round.
+    let on_tool = body.suspension.wrench_on_tool(link, &plate);
+    let arm = plate.pose.translation.vector - link.pose.translation.vector;
+    let into_s = link.pose.rotation.inverse();
+    Reading {
+        deflection,
+        wrench: Wrench {
+            force: into_s * -on_tool.force,
+            moment: into_s * -(on_tool.moment + arm.cross(&on_tool.force)),
+        },
+    }
 }

@@ -1,6 +1,7 @@
-//! The tool: a rigid body that hangs on the sensor and touches the object with its tcp.
+//! The tool: a rigid body that hangs on the sensor and touches the object.
 
-use crate::contact::Contact;
+use crate::contacts::Contacts;
+use crate::object::{Base, Yielding};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use node::scenario;
 use spatial::{GRAVITY_M_PER_S2, Motion, MotionSegment, Pose, ToolSuspension, Wrench, rotation};
@@ -23,7 +24,8 @@ pub struct Body {
     pub weight: Vector3<f64>,
 }
 
-/// Position, velocity, orientation and angular velocity of the tool, in r, at its centre of mass.
+/// Position, velocity, orientation and angular velocity of the tool, in r, at its centre of mass, and how far the
+/// object's surface yields.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
     /// Centre of mass, m.
@@ -34,6 +36,8 @@ pub struct State {
     pub rotation: UnitQuaternion<f64>,
     /// Angular velocity, rad/s.
     pub angular_velocity: Vector3<f64>,
+    /// The object's surface.
+    pub surface: Yielding,
 }
 
 /// Energies that have crossed the tool's borders since start, J.
@@ -47,20 +51,26 @@ pub struct Work {
     pub on_object: f64,
 }
 
-/// The plane that the tcp may touch: normal +z of r at a height.
+/// What acts on the tool while it is integrated.
 #[derive(Clone, Copy, Debug)]
-pub struct Surface<'a> {
-    /// The contact law and its memory.
-    pub contact: &'a Contact,
-    /// Height in r, m.
-    pub height: f64,
+pub struct Surroundings<'a> {
+    /// The link's motion.
+    pub link: &'a MotionSegment,
+    /// When its segment begins, s after the start.
+    pub start_s: f64,
+    /// Where the tool may touch the object; memories stay frozen.
+    pub contacts: &'a Contacts,
 }
 
-struct Rates {
+/// The time derivative of a [`State`] and of the [`Work`].
+#[derive(Clone, Copy, Debug)]
+pub struct Rates {
     velocity: Vector3<f64>,
     acceleration: Vector3<f64>,
     quaternion: Quaternion<f64>,
     angular_acceleration: Vector3<f64>,
+    surface: Yielding,
+    /// Powers, W.
     work: Work,
 }
 
@@ -74,12 +84,7 @@ impl Body {
             inertia_inverse: Matrix3::from_diagonal(&diagonal.map(|i| 1.0 / i)),
             centre_of_mass: tool.centre_of_mass_in_s_m.into(),
             tcp: tool.tcp_in_s_m.into(),
-            suspension: ToolSuspension {
-                stiffness_n_per_m: sensor.stiffness_n_per_m,
-                stiffness_nm_per_rad: sensor.stiffness_nm_per_rad,
-                damping_ns_per_m: sensor.damping_ns_per_m,
-                damping_nms_per_rad: sensor.damping_nms_per_rad,
-            },
+            suspension: sensor.suspension(),
             weight: Vector3::new(0.0, 0.0, -GRAVITY_M_PER_S2 * tool.mass_kg),
         }
     }
@@ -103,6 +108,7 @@ impl Body {
             velocity: Vector3::zeros(),
             rotation,
             angular_velocity: Vector3::zeros(),
+            surface: Yielding::default(),
         }
     }
 
@@ -118,9 +124,9 @@ impl Body {
         }
     }
 
-    /// Motion of s' with its accelerations, for a link that moves like `link`.
-    pub fn plate_motion(&self, state: &State, link: &Motion, surface: &Surface) -> Motion {
-        let rates = self.rates(state, link, surface);
+    /// Motion of s' with its accelerations, for a link that moves like `link` and an object at `base`.
+    pub fn plate_motion(&self, state: &State, link: &Motion, contacts: &Contacts, base: &Base) -> Motion {
+        let rates = self.rates(state, link, contacts, base);
         let lever = -(state.rotation * self.centre_of_mass);
         let w = state.angular_velocity;
         Motion {
@@ -139,11 +145,6 @@ impl Body {
         (pose, state.velocity + state.angular_velocity.cross(&lever))
     }
 
-    /// Indentation h (m) of the tcp into a surface at `height` (m); negative: distance.
-    pub fn indentation(&self, state: &State, height: f64) -> f64 {
-        height - state.position.z - (state.rotation * (self.tcp - self.centre_of_mass)).z
-    }
-
     /// Kinetic energy, J.
     pub fn kinetic_energy(&self, state: &State) -> f64 {
         let w = state.rotation.inverse() * state.angular_velocity;
@@ -156,31 +157,25 @@ impl Body {
     }
 
     /// One step of the classical Runge-Kutta method of fourth order, from `time` to `time + step` (s) of the
-    /// link's segment; the contact's memory stays frozen inside.
-    pub fn integrate(
-        &self,
-        state: &State,
-        link: &MotionSegment,
-        time: f64,
-        step: f64,
-        surface: &Surface,
-    ) -> (State, Work) {
+    /// link's segment; the contacts' memory stays frozen inside.
+    pub fn integrate(&self, state: &State, around: &Surroundings, time: f64, step: f64) -> (State, Work) {
         let half = 0.5 * step;
-        let middle = link.at(time + half);
-        let k1 = self.rates(state, &link.at(time), surface);
-        let k2 = self.rates(&state.advanced(&k1, half), &middle, surface);
-        let k3 = self.rates(&state.advanced(&k2, half), &middle, surface);
-        let k4 = self.rates(&state.advanced(&k3, step), &link.at(time + step), surface);
-        let mean = |f: fn(&Rates) -> Vector3<f64>| (f(&k1) + (f(&k2) + f(&k3)) * 2.0 + f(&k4)) / 6.0;
+        let at = |time: f64| {
+            (
+                around.link.at(time),
+                around.contacts.object().base(around.start_s + time),
+            )
+        };
+        let middle = at(time + half);
+        let rates =
+            |state: &State, (link, base): &(Motion, Base)| self.rates(state, link, around.contacts, base);
+        let k1 = rates(state, &at(time));
+        let k2 = rates(&state.advanced(&k1, half), &middle);
+        let k3 = rates(&state.advanced(&k2, half), &middle);
+        let k4 = rates(&state.advanced(&k3, step), &at(time + step));
+        let rates = Rates::mean(&k1, &k2, &k3, &k4);
         let sum = |f: fn(&Work) -> f64| {
             step / 6.0 * (f(&k1.work) + 2.0 * (f(&k2.work) + f(&k3.work)) + f(&k4.work))
-        };
-        let rates = Rates {
-            velocity: mean(|k| k.velocity),
-            acceleration: mean(|k| k.acceleration),
-            quaternion: (k1.quaternion + (k2.quaternion + k3.quaternion) * 2.0 + k4.quaternion) / 6.0,
-            angular_acceleration: mean(|k| k.angular_acceleration),
-            work: Work::default(),
         };
         let work = Work {
             by_link: sum(|w| w.by_link),
@@ -190,47 +185,67 @@ impl Body {
         (state.advanced(&rates, step), work)
     }
 
-    /// The equations of motion (PLANT.md section 1) for a link that moves like `link`.
-    fn rates(&self, state: &State, link: &Motion, surface: &Surface) -> Rates {
+    /// The equations of motion (PLANT.md section 1) for a link that moves like `link` and an object at `base`.
+    pub fn rates(&self, state: &State, link: &Motion, contacts: &Contacts, base: &Base) -> Rates {
         let rotation = state.rotation.to_rotation_matrix();
         let com = rotation * self.centre_of_mass;
-        let lever = rotation * (self.tcp - self.centre_of_mass);
         let plate = self.plate(state);
         let Wrench { force, moment } = self.suspension.wrench_on_tool(link, &plate);
-
-        let h = surface.height - state.position.z - lever.z;
-        let contact = Vector3::new(0.0, 0.0, surface.contact.force(h));
-        let tcp_velocity = state.velocity + state.angular_velocity.cross(&lever);
+        let contact = contacts.load(state, rotation, base);
 
         let w = state.angular_velocity;
-        let torque = moment - com.cross(&force) + lever.cross(&contact);
+        let torque = moment - com.cross(&force) + contact.moment;
         let w_body = rotation.inverse() * w;
         let gyroscopic = w_body.cross(&(self.inertia * w_body));
         let arm = plate.pose.translation.vector - link.pose.translation.vector;
         Rates {
             velocity: state.velocity,
-            acceleration: (force + contact + self.weight) / self.mass,
+            acceleration: (force + contact.force + self.weight) / self.mass,
             // q' = (0, w) q / 2 for w in r.
             quaternion: Quaternion::from_imag(w * 0.5) * state.rotation.into_inner(),
             angular_acceleration: rotation
                 * (self.inertia_inverse * (rotation.inverse() * torque - gyroscopic)),
+            surface: contacts.object().yielding_rates(&state.surface, &contact.force),
             work: Work {
                 by_link: force.dot(&link.velocity) + (moment + arm.cross(&force)).dot(&link.angular_velocity),
                 dissipated: self.suspension.dissipation(link, &plate),
-                on_object: -contact.dot(&tcp_velocity),
+                on_object: contact.power,
             },
+        }
+    }
+}
+
+impl Rates {
+    /// The mean over a step of the classical Runge-Kutta method, `(k1 + 2 (k2 + k3) + k4) / 6`, without powers.
+    pub fn mean(k1: &Self, k2: &Self, k3: &Self, k4: &Self) -> Self {
+        let mean = |f: fn(&Rates) -> Vector3<f64>| (f(k1) + (f(k2) + f(k3)) * 2.0 + f(k4)) / 6.0;
+        let scalar = |f: fn(&Rates) -> f64| (f(k1) + (f(k2) + f(k3)) * 2.0 + f(k4)) / 6.0;
+        Self {
+            velocity: mean(|k| k.velocity),
+            acceleration: mean(|k| k.acceleration),
+            quaternion: (k1.quaternion + (k2.quaternion + k3.quaternion) * 2.0 + k4.quaternion) / 6.0,
+            angular_acceleration: mean(|k| k.angular_acceleration),
+            surface: Yielding {
+                depth: scalar(|k| k.surface.depth),
+                rate: scalar(|k| k.surface.rate),
+            },
+            work: Work::default(),
         }
     }
 }
 
 impl State {
     /// The state after `time` s at constant `rates`.
-    fn advanced(&self, rates: &Rates, time: f64) -> Self {
+    pub fn advanced(&self, rates: &Rates, time: f64) -> Self {
         Self {
             position: self.position + rates.velocity * time,
             velocity: self.velocity + rates.acceleration * time,
             rotation: UnitQuaternion::new_normalize(self.rotation.into_inner() + rates.quaternion * time),
             angular_velocity: self.angular_velocity + rates.angular_acceleration * time,
+            surface: Yielding {
+                depth: self.surface.depth + rates.surface.depth * time,
+                rate: self.surface.rate + rates.surface.rate * time,
+            },
         }
     }
 }

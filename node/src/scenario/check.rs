@@ -26,8 +26,15 @@ const FASTEST_BY: &[&str] = &[
     "sensor.stiffness_nm_per_rad",
     "sensor.damping_ns_per_m",
     "sensor.damping_nms_per_rad",
+    "sensor.end_stop_n_per_m",
+    "sensor.end_stop_nm_per_rad",
     "object.indentation_n_per_m",
     "object.rebound_ratio",
+    "object.friction",
+    "object.friction_speed_m_per_s",
+    "object.support_n_per_m",
+    "object.support_ns_per_m",
+    "object.support_mass_kg",
 ];
 
 /// What the sensor's translation under load depends on.
@@ -67,11 +74,12 @@ impl Scenario {
         self.check_axes(&mut conflicts);
         self.check_steps(&mut conflicts);
         self.check_deflection(&mut conflicts);
+        self.check_profile(&mut conflicts);
         conflicts.0
     }
 
     fn check_task(&self, conflicts: &mut Conflicts) {
-        let (task, height) = (&self.task, self.object.height_m);
+        let (task, height) = (&self.task, self.object_height_at_start_m());
 
         let [tare, standstill] = [self.controller.tare_s, task.standstill_s];
         conflicts.require(
@@ -121,7 +129,13 @@ impl Scenario {
         let tcp = self.hanging_tcp_height_m();
         conflicts.require(
             height < tcp,
-            &["object.height_m", "task.start_position_m", "tool.mass_kg"],
+            &[
+                "object.height_m",
+                "object.swing_amplitude_m",
+                "object.profile_height_m",
+                "task.start_position_m",
+                "tool.mass_kg",
+            ],
             format!(
                 "object.height_m is {} m, not below the hanging tool's tcp at {} m; start higher or lower the object",
                 short(height),
@@ -215,6 +229,30 @@ impl Scenario {
                 short(STEP_ANGLE_RAD / fastest),
             ),
         );
+    }
+
+    fn check_profile(&self, conflicts: &mut Conflicts) {
+        let (times, heights) = (&self.object.profile_time_s, &self.object.profile_height_m);
+        conflicts.require(
+            times.len() == heights.len(),
+            &["object.profile_time_s", "object.profile_height_m"],
+            format!(
+                "object.profile_time_s has {} values, object.profile_height_m {}; list a height for each time",
+                times.len(),
+                heights.len(),
+            ),
+        );
+        for pair in times.windows(2) {
+            conflicts.require(
+                pair[0] < pair[1],
+                &["object.profile_time_s"],
+                format!(
+                    "object.profile_time_s goes from {} s to {} s; list increasing times",
+                    short(pair[0]),
+                    short(pair[1]),
+                ),
+            );
+        }
     }
 
     fn check_deflection(&self, conflicts: &mut Conflicts) {

@@ -47,6 +47,18 @@ pub enum SensorOutput {
     Force,
 }
 
+/// What of the tool may touch the object.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ToolShape {
+    /// Its tcp.
+    #[default]
+    Point,
+    /// The four corners of a rectangle around the tcp.
+    Face,
+    /// A cylinder along z whose end is centred at the tcp: a ring of points at its end, another one above.
+    Peg,
+}
+
 /// A value that a scenario names by a word.
 pub(super) trait Choice: Debug {
     /// The words to choose from.
@@ -92,6 +104,7 @@ macro_rules! choice {
 choice!(TimingMode: "lockstep" => Lockstep; planned: "realtime");
 choice!(Kinematics: "gantry" => Gantry; planned: "arm");
 choice!(Gears: "rigid" => Rigid; planned: "elastic");
-choice!(Pairing: "sampling" => Sampling, "arrival" => Arrival; planned: );
-choice!(SensorOutput: "deflection" => Deflection, "force" => Force; planned: );
+choice!(Pairing: "sampling" => Sampling, "arrival" => Arrival; planned:);
+choice!(SensorOutput: "deflection" => Deflection, "force" => Force; planned:);
 choice!(Law: "pd" => Pd, "proposed" => Proposed, "literal" => Literal; planned: "pd-reset", "elastic", "ros2", "fzi");
+choice!(ToolShape: "point" => Point, "face" => Face, "peg" => Peg; planned:);

@@ -17,6 +17,13 @@ impl Scenario {
                 Slot::Array(values, _) => values
                     .iter()
                     .for_each(|value| digest.update(value.to_bits().to_be_bytes())),
+                // The length keeps a longer list from being what a shorter one and its successors are.
+                Slot::List(values, _) => {
+                    digest.update((values.len() as u64).to_be_bytes());
+                    values
+                        .iter()
+                        .for_each(|value| digest.update(value.to_bits().to_be_bytes()));
+                }
                 Slot::Integer(value, _) => digest.update(value.to_be_bytes()),
                 Slot::Flag(value) => digest.update([u8::from(*value)]),
                 // The name of the variant: a word may still be missing.

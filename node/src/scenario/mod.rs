@@ -19,7 +19,7 @@ mod schema;
 mod tests;
 mod value;
 
-pub use choice::{Gears, Kinematics, Pairing, SensorOutput, TimingMode};
+pub use choice::{Gears, Kinematics, Pairing, SensorOutput, TimingMode, ToolShape};
 pub use error::ScenarioError;
 pub use schema::{Allowed, Key};
 pub use spatial::ports::Law;
@@ -114,8 +114,46 @@ schema::section! {
         range_rotation_rad: f64 = 0.02618, in 1e-5..=1.0;
         /// Ticks from sampling to publication.
         delay_ticks: i64 = 4, in 0..=100;
+        /// Drift of the translation's bias.
+        drift_translation_m_per_s: [f64; 3] = [0.0, 0.0, 0.0], in -1e-2..=1e-2;
+        /// Drift of the rotation's bias.
+        drift_rotation_rad_per_s: [f64; 3] = [0.0, 0.0, 0.0], in -0.1..=0.1;
+        /// When a drop-out begins: no sample is valid until it ends.
+        dropout_start_s: f64 = 0.0, in 0.0..=86400.0;
+        /// How long the drop-out lasts; 0: there is none.
+        dropout_duration_s: f64 = 0.0, in 0.0..=86400.0;
+        /// Whether the wrench is measured too, independently of the deflection.
+        wrench_measured: bool = false;
+        /// White noise of a measured force, rms.
+        noise_force_n: f64 = 0.2, in 0.0..=1e3;
+        /// White noise of a measured moment, rms.
+        noise_moment_nm: f64 = 0.005, in 0.0..=1e2;
+        /// Deflection at which the translational end stop begins.
+        end_stop_m: f64 = 2e-3, in 1e-5..=0.1;
+        /// Stiffness that the end stop adds beyond; 0: there is none.
+        end_stop_n_per_m: f64 = 0.0, in 0.0..=1e10;
+        /// Deflection at which the rotational end stop begins.
+        end_stop_rad: f64 = 0.035, in 1e-5..=1.0;
+        /// Stiffness that the end stop adds beyond; 0: there is none.
+        end_stop_nm_per_rad: f64 = 0.0, in 0.0..=1e8;
         /// Step of the tool's integration, a whole fraction of 1 ms.
         integration_step_s: f64 = 20e-6, in 1e-6..=1e-3;
+    }
+}
+
+impl Sensor {
+    /// The element between the robot's last link and the tool plate, as robot and tool feel it.
+    pub fn suspension(&self) -> spatial::ToolSuspension {
+        spatial::ToolSuspension {
+            stiffness_n_per_m: self.stiffness_n_per_m,
+            stiffness_nm_per_rad: self.stiffness_nm_per_rad,
+            damping_ns_per_m: self.damping_ns_per_m,
+            damping_nms_per_rad: self.damping_nms_per_rad,
+            end_stop_m: self.end_stop_m,
+            end_stop_n_per_m: self.end_stop_n_per_m,
+            end_stop_rad: self.end_stop_rad,
+            end_stop_nm_per_rad: self.end_stop_nm_per_rad,
+        }
     }
 }
 
@@ -130,6 +168,14 @@ schema::section! {
         centre_of_mass_in_s_m: [f64; 3] = [0.03, 0.0, -0.06], in -5.0..=5.0;
         /// Tool centre point in s.
         tcp_in_s_m: [f64; 3] = [0.10, 0.0, -0.15], in -5.0..=5.0;
+        /// What of it may touch the object.
+        shape: ToolShape = ToolShape::Point;
+        /// Length and width of the face, along the axes of s.
+        face_size_m: [f64; 2] = [0.04, 0.04], in 1e-4..=1.0;
+        /// Radius of the peg.
+        peg_radius_m: f64 = 0.010, in 1e-4..=0.5;
+        /// Length of the peg: how far above its end the upper ring of contact points lies.
+        peg_length_m: f64 = 0.020, in 1e-4..=1.0;
     }
 }
 
@@ -144,6 +190,38 @@ schema::section! {
         rebound_ratio: f64 = 4.0, in 1.0..=1e3;
         /// Exponent n of the indentation.
         exponent: f64 = 1.0, in 1.0..=3.0;
+        /// Coefficient of Coulomb friction.
+        friction: f64 = 0.0, in 0.0..=2.0;
+        /// Sliding speed below which friction fades to zero.
+        friction_speed_m_per_s: f64 = 5e-4, in 1e-5..=0.1;
+        /// Where its origin lies in r, x and y: there the surface has its height, and there the hole is.
+        origin_m: [f64; 2] = [0.0, 0.0], in -10.0..=10.0;
+        /// Rotation vector from r to the object; the surface's normal is the object's z axis.
+        rotation_rad: [f64; 3] = [0.0, 0.0, 0.0], in -0.5..=0.5;
+        /// Constant velocity in r, from the start on.
+        velocity_m_per_s: [f64; 3] = [0.0, 0.0, 0.0], in -1.0..=1.0;
+        /// Amplitude of the sinusoid that it moves along in addition, in r.
+        swing_amplitude_m: [f64; 3] = [0.0, 0.0, 0.0], in -0.1..=0.1;
+        /// Frequency of the sinusoid.
+        swing_frequency_hz: f64 = 1.0, in 0.0..=100.0;
+        /// Phase of the sinusoid at the start.
+        swing_phase_rad: f64 = 0.0, in -7.0..=7.0;
+        /// Times of a recorded profile of heights, increasing.
+        profile_time_s: Vec<f64> = vec![], in 0.0..=86400.0;
+        /// The profile's heights at these times, above height_m.
+        profile_height_m: Vec<f64> = vec![], in -1.0..=1.0;
+        /// Stiffness with which the surface is held along its normal; 0: rigidly.
+        support_n_per_m: f64 = 0.0, in 0.0..=1e10;
+        /// Damping of that support.
+        support_ns_per_m: f64 = 0.0, in 0.0..=1e6;
+        /// Mass of the surface that moves on the support.
+        support_mass_kg: f64 = 1.0, in 1e-3..=1e4;
+        /// Radius of a round hole at the origin; 0: there is none.
+        hole_radius_m: f64 = 0.0, in 0.0..=1.0;
+        /// Width (and height) of the hole's chamfer.
+        hole_chamfer_m: f64 = 0.0, in 0.0..=0.1;
+        /// Depth of the hole.
+        hole_depth_m: f64 = 0.030, in 1e-4..=1.0;
     }
 }
 

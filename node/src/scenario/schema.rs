@@ -42,6 +42,8 @@ pub enum Allowed {
     Number(RangeInclusive<f64>),
     /// An array of numbers, each within the limits.
     Array(RangeInclusive<f64>, usize),
+    /// Any number of numbers, each within the limits.
+    List(RangeInclusive<f64>),
     /// A whole number.
     Integer(RangeInclusive<i64>),
     /// `true` or `false`.
@@ -61,6 +63,7 @@ pub(super) struct Field<'a> {
 pub(super) enum Slot<'a> {
     Number(&'a mut f64, RangeInclusive<f64>),
     Array(&'a mut [f64], RangeInclusive<f64>),
+    List(&'a mut Vec<f64>, RangeInclusive<f64>),
     Integer(&'a mut i64, RangeInclusive<i64>),
     Flag(&'a mut bool),
     Choice(&'a mut dyn Choice),
@@ -87,6 +90,14 @@ impl<const N: usize> Entry for [f64; N] {
 
     fn slot(&mut self, limits: Self::Limits) -> Slot<'_> {
         Slot::Array(self, limits)
+    }
+}
+
+impl Entry for Vec<f64> {
+    type Limits = RangeInclusive<f64>;
+
+    fn slot(&mut self, limits: Self::Limits) -> Slot<'_> {
+        Slot::List(self, limits)
     }
 }
 
@@ -185,6 +196,7 @@ impl Slot<'_> {
         match self {
             Self::Number(_, limits) => Allowed::Number(limits.clone()),
             Self::Array(values, limits) => Allowed::Array(limits.clone(), values.len()),
+            Self::List(_, limits) => Allowed::List(limits.clone()),
             Self::Integer(_, limits) => Allowed::Integer(limits.clone()),
             Self::Flag(_) => Allowed::Flag,
             Self::Choice(choice) => Allowed::Word(choice.words()),
@@ -195,6 +207,7 @@ impl Slot<'_> {
         match self {
             Self::Number(value, _) => format!("{value:?}"),
             Self::Array(values, _) => format!("{values:?}"),
+            Self::List(values, _) => format!("{values:?}"),
             Self::Integer(value, _) => value.to_string(),
             Self::Flag(value) => value.to_string(),
             Self::Choice(choice) => format!("{:?}", choice.word()),
@@ -212,6 +225,7 @@ const UNITS: &[(&str, &str)] = &[
     ("_m_per_s", "m/s"),
     ("_n", "N"),
     ("_n_per_m", "N/m"),
+    ("_nm", "Nm"),
     ("_nm_per_rad", "Nm/rad"),
     ("_nms_per_rad", "Nms/rad"),
     ("_ns_per_m", "Ns/m"),
@@ -258,8 +272,10 @@ mod tests {
             [
                 "timing.seed",
                 "robot.filter_damping",
+                "sensor.wrench_measured",
                 "object.rebound_ratio",
                 "object.exponent",
+                "object.friction",
                 "controller.filter_damping",
                 "controller.proposed.object_filter_gain",
             ]

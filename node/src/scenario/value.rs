@@ -19,6 +19,11 @@ impl Slot<'_> {
         match self {
             Self::Number(place, limits) => *place = number(path, value.get_ref(), &limits).map_err(here)?,
             Self::Array(places, limits) => return array(places, path, value, &limits),
+            Self::List(place, limits) => {
+                let mut values = vec![0.0; value.get_ref().as_array().map_or(0, |items| items.len())];
+                array(&mut values, path, value, &limits)?;
+                *place = values;
+            }
             Self::Integer(place, limits) => *place = integer(path, value.get_ref(), &limits).map_err(here)?,
             Self::Flag(place) => *place = flag(path, value.get_ref()).map_err(here)?,
             Self::Choice(place) => choose(place, path, value.get_ref()).map_err(here)?,
@@ -36,7 +41,11 @@ fn array(
     let allowed = range(path, limits, decimal);
     let expected = places.len();
     let Some(items) = value.get_ref().as_array() else {
-        let allowed = format!("{expected} values in {allowed}");
+        let allowed = if expected == 0 {
+            format!("values in {allowed}")
+        } else {
+            format!("{expected} values in {allowed}")
+        };
         return Err(vec![(
             value.span(),
             wrong_type(path, value.get_ref(), "an array of numbers", allowed),

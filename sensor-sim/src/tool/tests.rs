@@ -21,26 +21,35 @@ fn still() -> (Motion, MotionSegment) {
     (link, MotionSegment::new(link, link, 1.0))
 }
 
-fn nothing_near() -> Contact {
-    Contact::new(&Object::default())
+/// An object far below.
+fn nothing_near() -> Contacts {
+    Contacts::new(&Tool::default(), &at_height(Object::default(), -1.0))
 }
 
-/// Integrate over `steps` with contact at `height`, and show each state with the contact force.
+fn at_height(object: Object, height_m: f64) -> Object {
+    Object { height_m, ..object }
+}
+
+/// Integrate over `steps` and show each state with its indentation and contact force.
 fn simulate(
     body: &Body,
     mut state: State,
-    contact: &mut Contact,
-    height: f64,
+    contacts: &mut Contacts,
     (step, steps): (f64, usize),
     mut see: impl FnMut(&State, f64, f64),
 ) -> State {
     let segment = still().1;
-    for _ in 0..steps {
-        let surface = Surface { contact, height };
-        state = body.integrate(&state, &segment, 0.0, step, &surface).0;
-        let h = body.indentation(&state, height);
-        see(&state, h, contact.force(h));
-        contact.remember(h);
+    for i in 0..steps {
+        let around = Surroundings {
+            link: &segment,
+            start_s: i as f64 * step,
+            contacts,
+        };
+        state = body.integrate(&state, &around, 0.0, step).0;
+        let base = contacts.object().base((i + 1) as f64 * step);
+        let force = contacts.load(&state, state.rotation, &base).force;
+        see(&state, contacts.deepest(&state, &base).indentation_m, force.z);
+        contacts.remember(&state, &base);
     }
     state
 }
@@ -49,11 +58,8 @@ fn simulate(
 fn linearised(body: &Body) -> (Matrix6<f64>, Matrix6<f64>) {
     let (link, _) = still();
     let rest = body.hanging(&link.pose);
-    let contact = nothing_near();
-    let surface = Surface {
-        contact: &contact,
-        height: -1.0,
-    };
+    let contacts = nothing_near();
+    let base = contacts.object().base(0.0);
     let mut mass = Matrix6::identity() * body.mass;
     let rotation = rest.rotation.to_rotation_matrix();
     mass.fixed_view_mut::<3, 3>(3, 3)
@@ -66,7 +72,7 @@ fn linearised(body: &Body) -> (Matrix6<f64>, Matrix6<f64>) {
         } else {
             state.rotation = rotation::exp(Vector3::ith(axis - 3, h)) * state.rotation;
         }
-        let rates = body.rates(&state, &link, &surface);
+        let rates = body.rates(&state, &link, &contacts, &base);
         spatial::kinematics::join(rates.acceleration, rates.angular_acceleration)
     };
     let mut gradient = Matrix6::zeros();
@@ -130,15 +136,8 @@ fn the_tool_hangs_in_balance() {
     let body = Body::new(&Tool::default(), &Sensor::default());
     let (link, _) = still();
     let rest = body.hanging(&link.pose);
-    let contact = nothing_near();
-    let rates = body.rates(
-        &rest,
-        &link,
-        &Surface {
-            contact: &contact,
-            height: -1.0,
-        },
-    );
+    let contacts = nothing_near();
+    let rates = body.rates(&rest, &link, &contacts, &contacts.object().base(0.0));
     assert!(rates.acceleration.norm() < 1e-12 && rates.angular_acceleration.norm() < 1e-10);
     assert!((rotation::log(&rest.rotation).y - 2.918e-3).abs() < 0.001e-3);
     let sag = body.tcp_motion(&rest).0.translation.vector - body.tcp;
@@ -150,13 +149,11 @@ fn the_tool_hangs_in_balance() {
 fn the_static_deflection_under_ten_newton() {
     let body = Body::new(&Tool::default(), &Sensor::default());
     let rest = body.hanging(&Pose::identity());
-    let mut contact = nothing_near();
     let hanging = body.tcp_motion(&rest).0;
     let height = hanging.translation.vector.z + 280.4e-6 + 10.0 / 16e6;
+    let mut contacts = Contacts::new(&Tool::default(), &at_height(Object::default(), height));
     let mut force = 0.0;
-    let end = simulate(&body, rest, &mut contact, height, (STEP, 150_000), |_, _, f| {
-        force = f
-    });
+    let end = simulate(&body, rest, &mut contacts, (STEP, 150_000), |_, _, f| force = f);
     // The plane was in the tool's way from the start: it has jumped out and come back, so what counts is where
     // it rests, on the rebound's stiffer line.
     let moved = body.tcp_motion(&end).0.translation.vector - hanging.translation.vector;
@@ -178,16 +175,8 @@ fn energy_is_conserved_without_damping_and_the_method_is_of_fourth_order() {
             + body.gravity_energy(state)
             + body.suspension.energy(&link, &body.plate(state))
     };
-    let run = |step: f64, steps: usize| {
-        simulate(
-            &body,
-            start,
-            &mut nothing_near(),
-            -1.0,
-            (step, steps),
-            |_, _, _| (),
-        )
-    };
+    let run =
+        |step: f64, steps: usize| simulate(&body, start, &mut nothing_near(), (step, steps), |_, _, _| ());
     let drift = (energy(&run(STEP, 50_000)) - energy(&start)) / body.kinetic_energy(&start);
     assert!(drift.abs() < 1e-8, "{drift}");
 
@@ -208,23 +197,17 @@ fn thrown(tool: &Tool, object: &Object) -> (f64, f64, f64, f64, f64) {
         velocity: Vector3::new(0.0, 0.0, -0.02),
         rotation: UnitQuaternion::identity(),
         angular_velocity: Vector3::zeros(),
+        surface: Yielding::default(),
     };
     let (mut peak, mut depth, mut impulse, mut ticks) = (0.0f64, 0.0f64, 0.0, 0);
     let step = 2e-6;
-    let mut contact = Contact::new(object);
-    let end = simulate(
-        &body,
-        start,
-        &mut contact,
-        body.tcp.z,
-        (step, 2_000),
-        |_, h, f| {
-            peak = peak.max(f);
-            depth = depth.max(h);
-            impulse += f * step;
-            ticks += usize::from(f > 0.0);
-        },
-    );
+    let mut contacts = Contacts::new(tool, &at_height(object.clone(), body.tcp.z));
+    let end = simulate(&body, start, &mut contacts, (step, 2_000), |_, h, f| {
+        peak = peak.max(f);
+        depth = depth.max(h);
+        impulse += f * step;
+        ticks += usize::from(f > 0.0);
+    });
     let rebound = body.tcp_motion(&end).1.z;
     (peak, depth, ticks as f64 * step, rebound, impulse)
 }

@@ -105,3 +105,32 @@ fn the_load_is_within_the_sensors_range() {
          sensor, widen its range or load it less"
     );
 }
+
+#[test]
+fn a_profile_has_increasing_times_and_a_height_for_each() {
+    assert_eq!(
+        refusal(
+            "object.profile_time_s = [0, 1, 1]\nobject.profile_height_m = [0, 0.001]",
+            &[]
+        ),
+        "a.toml:1:8: object.profile_time_s has 3 values, object.profile_height_m 2; list a height for each time\n\
+         a.toml:1:8: object.profile_time_s goes from 1 s to 1 s; list increasing times"
+    );
+}
+
+#[test]
+fn friction_and_a_light_surface_need_shorter_steps() {
+    let message = refusal("object.friction = 0.5", &[]);
+    assert!(
+        message.contains("sensor.integration_step_s is 2e-5 s, too long"),
+        "{message}"
+    );
+    let message = refusal(
+        "object.support_n_per_m = 1e6\nobject.support_mass_kg = 0.001",
+        &[],
+    );
+    assert!(
+        message.contains("sensor.integration_step_s is 2e-5 s, too long"),
+        "{message}"
+    );
+}

@@ -6,6 +6,11 @@ use crate::scenario::{Scenario, schema::Entry};
 const SECTIONS: &str = "[timing], [robot], [sensor], [tool], [object], [task], [controller], [controller.pd], \
                         [controller.proposed]";
 
+const OBJECT_KEYS: &str = "height_m, indentation_n_per_m, rebound_ratio, exponent, friction, friction_speed_m_per_s, origin_m, \
+                           rotation_rad, velocity_m_per_s, swing_amplitude_m, swing_frequency_hz, swing_phase_rad, \
+                           profile_time_s, profile_height_m, support_n_per_m, support_ns_per_m, support_mass_kg, hole_radius_m, \
+                           hole_chamfer_m, hole_depth_m";
+
 #[test]
 fn a_missing_file() {
     let error = Scenario::load("missing.toml".as_ref(), &[]).unwrap_err();
@@ -33,15 +38,16 @@ fn text_that_is_not_toml() {
 fn names_that_do_not_exist() {
     assert_eq!(
         refusal("[object]\nheigth_m = 0.0", &[]),
-        "a.toml:2:1: unknown key object.heigth_m; [object] knows height_m, indentation_n_per_m, rebound_ratio, \
-         exponent; did you mean object.height_m?"
+        format!(
+            "a.toml:2:1: unknown key object.heigth_m; [object] knows {OBJECT_KEYS}; did you mean object.height_m?"
+        )
     );
     assert_eq!(
         refusal("[object]\nlaw = 'pd'\n'height_m ' = 0", &[]),
-        "a.toml:2:1: unknown key object.law; [object] knows height_m, indentation_n_per_m, rebound_ratio, \
-         exponent; did you mean controller.law?\n\
-         a.toml:3:1: unknown key object.\"height_m \"; [object] knows height_m, indentation_n_per_m, \
-         rebound_ratio, exponent"
+        format!(
+            "a.toml:2:1: unknown key object.law; [object] knows {OBJECT_KEYS}; did you mean controller.law?\n\
+             a.toml:3:1: unknown key object.\"height_m \"; [object] knows {OBJECT_KEYS}"
+        )
     );
     assert_eq!(
         refusal("mode = 'lockstep'", &[]),
@@ -81,6 +87,14 @@ fn values_of_the_wrong_type() {
         refusal("[tool]\ntcp_in_s_m = 0.1\ninertia_kg_m2 = [1, 2]", &[]),
         "a.toml:2:14: tool.tcp_in_s_m is 0.1, not an array of numbers; choose 3 values in -5..=5 m\n\
          a.toml:3:17: tool.inertia_kg_m2 has 2 values instead of 3; list 3 numbers in 1e-7..=100000 kg m^2"
+    );
+    assert_eq!(
+        refusal(
+            "object.profile_time_s = [0, 'a']\nobject.profile_height_m = 1",
+            &[]
+        ),
+        "a.toml:1:29: object.profile_time_s[1] is \"a\", not a finite number; choose a value in 0..=86400 s\n\
+         a.toml:2:27: object.profile_height_m is 1, not an array of numbers; choose values in -1..=1 m"
     );
     let mut flag = false;
     let text = toml::de::DeValue::parse("true").unwrap();

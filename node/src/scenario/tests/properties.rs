@@ -14,6 +14,7 @@ fn accepted(key: &Key, at: f64) -> String {
     match &key.allowed {
         Allowed::Number(limits) => number(limits),
         Allowed::Array(limits, count) => format!("[{}]", vec![number(limits); *count].join(", ")),
+        Allowed::List(limits) => format!("[{}, {}]", number(limits), number(limits)),
         Allowed::Integer(limits) => {
             let value = *limits.start() as f64 * (1.0 - at) + *limits.end() as f64 * at;
             (value as i64).clamp(*limits.start(), *limits.end()).to_string()
@@ -138,6 +139,11 @@ proptest! {
                 let mut texts = vec![format!("{:?}", limits.start()); *count];
                 texts[i] = format!("{value:?}");
                 (format!("{}[{i}]", key.path), decimal(&value), format!("[{}]", texts.join(",")), decimal(&limit))
+            }
+            Allowed::List(limits) => {
+                let (limit, value) = outside(limits);
+                let text = format!("[{:?}, {value:?}]", limits.start());
+                (format!("{}[1]", key.path), decimal(&value), text, decimal(&limit))
             }
             Allowed::Integer(limits) => {
                 let limit = if above { *limits.end() } else { *limits.start() };

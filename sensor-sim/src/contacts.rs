@@ -1,0 +1,146 @@
+//! Where the tool touches the object: the points that may, each with its contact and its memory.
+
+use crate::contact::Contact;
+use crate::object::{Base, Object};
+use crate::tool::State;
+use nalgebra::Vector3;
+use node::scenario::{self, ToolShape};
+use std::f64::consts::TAU;
+use std::ops::Mul;
+
+/// Points on each ring of a peg.
+const RING: usize = 8;
+
+/// The tool's contact points on one object.
+///
+/// Model choice: the points of a face (of a peg's end) share its stiffness equally, so that the whole of it has
+/// the coefficient c_in of the scenario. The memory of the deepest indentation belongs to the tool's point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contacts {
+    object: Object,
+    points: Vec<Point>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Point {
+    /// From the centre of mass, in s', m.
+    offset: Vector3<f64>,
+    contact: Contact,
+}
+
+/// What the object exerts on the tool.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Load {
+    /// Force in r, N.
+    pub force: Vector3<f64>,
+    /// Moment in r about the tool's centre of mass, Nm.
+    pub moment: Vector3<f64>,
+    /// Power that the tool feeds into the object, W.
+    pub power: f64,
+}
+
+/// The point that is deepest inside the object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Deepest {
+    /// Its indentation, m; negative: at least that far away.
+    pub indentation_m: f64,
+    /// Its remaining indentation, m.
+    pub remaining_m: f64,
+}
+
+impl Contacts {
+    /// The points of `tool` on `object`, untouched.
+    pub fn new(tool: &scenario::Tool, object: &scenario::Object) -> Self {
+        let centre = Vector3::from(tool.tcp_in_s_m) - Vector3::from(tool.centre_of_mass_in_s_m);
+        let [a, b] = tool.face_size_m.map(|size| 0.5 * size);
+        let ring = |height: f64| {
+            (0..RING).map(move |i| {
+                let (sine, cosine) = libm::sincos(TAU * i as f64 / RING as f64);
+                Vector3::new(tool.peg_radius_m * cosine, tool.peg_radius_m * sine, height)
+            })
+        };
+        let (offsets, sharing): (Vec<Vector3<f64>>, usize) = match tool.shape {
+            ToolShape::Point => (vec![Vector3::zeros()], 1),
+            ToolShape::Face => (
+                [(a, b), (-a, b), (-a, -b), (a, -b)]
+                    .map(|(x, y)| Vector3::new(x, y, 0.0))
+                    .into(),
+                4,
+            ),
+            ToolShape::Peg => (ring(0.0).chain(ring(tool.peg_length_m)).collect(), RING),
+        };
+        let contact = Contact::new(object, 1.0 / sharing as f64);
+        let point = |offset| Point {
+            offset: centre + offset,
+            contact,
+        };
+        Self {
+            object: Object::new(object),
+            points: offsets.into_iter().map(point).collect(),
+        }
+    }
+
+    /// The object.
+    pub fn object(&self) -> &Object {
+        &self.object
+    }
+
+    /// The load on the tool in `state`, whose orientation is `r_from_s1`; memories stay as they are.
+    pub fn load<R>(&self, state: &State, r_from_s1: R, base: &Base) -> Load
+    where
+        R: Mul<Vector3<f64>, Output = Vector3<f64>> + Copy,
+    {
+        let mut load = Load::default();
+        for Point { offset, contact } in &self.points {
+            let lever = r_from_s1 * *offset;
+            let (h, normal) = self.object.probe(base, &state.surface, &state.position, &lever);
+            let pressure = contact.force(h);
+            if pressure > 0.0 {
+                let velocity = state.velocity + state.angular_velocity.cross(&lever);
+                let surface = base.velocity - self.object.normal() * state.surface.rate;
+                let force =
+                    normal * pressure + self.object.friction(pressure, &normal, &(velocity - surface));
+                load.force += force;
+                load.moment += lever.cross(&force);
+                load.power -= force.dot(&velocity);
+            }
+        }
+        load
+    }
+
+    /// The deepest point of the tool in `state`.
+    pub fn deepest(&self, state: &State, base: &Base) -> Deepest {
+        let mut deepest = Deepest {
+            indentation_m: f64::NEG_INFINITY,
+            remaining_m: 0.0,
+        };
+        for point in &self.points {
+            let h = self.indentation(point, state, base);
+            if h > deepest.indentation_m {
+                deepest = Deepest {
+                    indentation_m: h,
+                    remaining_m: point.contact.remaining_m(),
+                };
+            }
+        }
+        deepest
+    }
+
+    /// Remember the indentations reached at the end of an integration step.
+    pub fn remember(&mut self, state: &State, base: &Base) {
+        for i in 0..self.points.len() {
+            let h = self.indentation(&self.points[i], state, base);
+            self.points[i].contact.remember(h);
+        }
+    }
+
+    /// Height of the object's origin in r, m, where its surface has yielded to.
+    pub fn height_m(&self, state: &State, base: &Base) -> f64 {
+        base.position.z - self.object.normal().z * state.surface.depth
+    }
+
+    fn indentation(&self, point: &Point, state: &State, base: &Base) -> f64 {
+        let lever = state.rotation * point.offset;
+        self.object.probe(base, &state.surface, &state.position, &lever).0
+    }
+}
