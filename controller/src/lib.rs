@@ -34,7 +34,7 @@ use object_model::ObjectModel;
 use pairing::EncoderHistory;
 use pd::Pd;
 use posture::Posture;
-use spatial::kinematics::{Axes, Gantry};
+use spatial::kinematics::{Axes, Kinematics, Unreachable};
 use spatial::ports::{
     Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, HORIZON, Law,
     RobotState,
@@ -62,6 +62,8 @@ pub struct Controller {
     newest_sample_utime: i64,
     tare: Tare,
     start: Axes,
+    /// The set-point that the axes are to reach next.
+    commanded: Axes,
     motion: Option<Motion>,
     limits: i32,
 }
@@ -73,6 +75,7 @@ struct Settings {
     period_ticks: i64,
     task: scenario::Task,
     controller: scenario::Controller,
+    kinematics: Kinematics,
     compliance: Compliance,
     d: Vector3<f64>,
     desired: Wrench,
@@ -123,6 +126,7 @@ impl Controller {
                 period_ticks: scenario.timing.command_period_ticks,
                 task: scenario.task.clone(),
                 controller: controller.clone(),
+                kinematics: scenario.robot.kinematics(),
                 compliance: Compliance::isotropic(
                     controller.compliance_m_per_n,
                     controller.compliance_rad_per_nm,
@@ -139,6 +143,7 @@ impl Controller {
             newest_sample_utime: i64::MIN,
             tare: Tare::default(),
             start: Axes::zeros(),
+            commanded: Axes::zeros(),
             motion: None,
             limits: 0,
         }
@@ -152,6 +157,7 @@ impl Controller {
         self.encoders.update(state);
         if self.phase == ControllerPhase::Init {
             self.start = state.axis_position[0];
+            self.commanded = self.start;
             self.phase = ControllerPhase::Sync;
         }
         for sample in deflections.samples.iter().rev() {
@@ -161,7 +167,11 @@ impl Controller {
             }
         }
         self.change_phase(tick);
-        let axis_position = self.set_points(tick, &state.axis_position[0]);
+        let axis_position = match self.set_points(tick, &state.axis_position[0]) {
+            Ok(set_points) => set_points,
+            Err(_) => self.hold(Fault::Unreachable),
+        };
+        self.commanded = axis_position[0];
         Outputs {
             command: self.command(tick, axis_position),
             status: self.status(tick),
@@ -179,7 +189,7 @@ impl Controller {
         let lag_us = 1e6 / (TAU * settings.controller.sensor_bandwidth_hz);
         motion.axes = self.encoders.at(sample.utime as f64 - lag_us);
         motion.newest = *sample;
-        let r_from_s = Gantry.forward(&motion.axes);
+        let r_from_s = settings.kinematics.forward(&motion.axes);
         let real = motion
             .posture
             .deflected_tcp(&r_from_s, &sample.deflection)
@@ -246,17 +256,29 @@ impl Controller {
         }
     }
 
-    /// The next set-points of the axes, one period apart.
-    fn set_points(&mut self, tick: i64, actual: &Axes) -> [Axes; HORIZON] {
+    /// Stay at the set-point last given; the first cause is latched.
+    fn hold(&mut self, fault: Fault) -> [Axes; HORIZON] {
+        self.phase = ControllerPhase::Fault;
+        if self.fault == Fault::None {
+            self.fault = fault;
+        }
+        [self.commanded; HORIZON]
+    }
+
+    /// The next set-points of the axes, one period apart, each on the branch of its predecessor.
+    fn set_points(&mut self, tick: i64, actual: &Axes) -> Result<[Axes; HORIZON], Unreachable> {
         let settings = &self.settings;
         self.limits = 0;
         let Some(motion) = &mut self.motion else {
-            return [self.start; HORIZON];
+            return Ok([self.start; HORIZON]);
         };
+        if self.fault == Fault::Unreachable {
+            return Ok([self.commanded; HORIZON]);
+        }
         let proposed = settings.controller.law == Law::Proposed;
         let actual_height = motion
             .posture
-            .hanging_tcp(&Gantry.forward(actual))
+            .hanging_tcp(&settings.kinematics.forward(actual))
             .translation
             .vector
             .z;
@@ -272,7 +294,9 @@ impl Controller {
         let target = motion
             .object
             .desired_height(motion.compliance_m_per_n, settings.task.desired_force_n);
-        let axes = std::array::from_fn(|i| {
+        let mut near = self.commanded;
+        let mut axes = [near; HORIZON];
+        for (i, slot) in axes.iter_mut().enumerate() {
             let at_tick = tick + (lead + i as i64) * settings.period_ticks;
             let wanted = match (motion.contact, proposed) {
                 (Some(_), true) => ahead.towards(target.unwrap_or(ahead.setpoint()), bandwidth),
@@ -291,8 +315,9 @@ impl Controller {
             let pose = motion
                 .posture
                 .sensor_pose(height, motion.tilt(settings, at_tick, lead));
-            Gantry.inverse(&pose)
-        });
+            near = settings.kinematics.inverse(&pose, &near)?;
+            *slot = near;
+        }
         motion.dynamics = committed;
         motion.detector.follow(
             motion
@@ -300,13 +325,13 @@ impl Controller {
                 .acceleration,
             settings.period_ticks,
         );
-        axes
+        Ok(axes)
     }
 }
 
 impl Motion {
     fn new(settings: &Settings, tare: &Tare, start: &Axes) -> Self {
-        let r_from_s = Gantry.forward(start);
+        let r_from_s = settings.kinematics.forward(start);
         let posture = Posture::new(
             &settings.compliance,
             settings.d,

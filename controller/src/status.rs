@@ -2,7 +2,7 @@
 
 use crate::Controller;
 use nalgebra::Vector3;
-use spatial::kinematics::{Axes, Gantry};
+use spatial::kinematics::Axes;
 use spatial::ports::{
     Authenticity, Command, ControllerStatus, Detection, HORIZON, ImpactAssessment, ParameterAnswer, Role,
     Stamp,
@@ -35,7 +35,7 @@ impl Controller {
             object_known: false,
             object_pose: Pose::identity(),
             object_velocity: Vector3::zeros(),
-            tcp_pose: Gantry.forward(&self.start),
+            tcp_pose: settings.kinematics.forward(&self.start),
             wrench: Wrench::default(),
             desired_wrench: settings.desired,
             force_error_n: 0.0,
@@ -61,7 +61,7 @@ impl Controller {
         let Some(motion) = &self.motion else {
             return status;
         };
-        let r_from_s = Gantry.forward(&motion.axes);
+        let r_from_s = settings.kinematics.forward(&motion.axes);
         status.tcp_pose = motion.posture.deflected_tcp(&r_from_s, &motion.newest.deflection);
         status.wrench = self.contact_wrench(&motion.newest.deflection);
         status.detection.statistic_n = motion.force_n;

@@ -17,6 +17,8 @@ pub enum Kinematics {
     /// Six decoupled axes at the origin of s.
     #[default]
     Gantry,
+    /// Six revolute joints in series, KUKA KR 16-2 class.
+    Arm,
 }
 
 /// What joins an axis's motor and its link.
@@ -25,6 +27,8 @@ pub enum Gears {
     /// Nothing that yields: motor and link are one mass.
     #[default]
     Rigid,
+    /// A spring and a damper each: the encoders see the motor, the tool hangs on the link.
+    Elastic,
 }
 
 /// A value that a scenario names by a word.
@@ -43,14 +47,14 @@ pub(super) trait Choice: Debug {
 }
 
 macro_rules! choice {
-    ($type:ident: $($word:literal => $variant:ident),+; planned: $($planned:literal),+) => {
+    ($type:ident: $($word:literal => $variant:ident),+ $(; planned: $($planned:literal),+)?) => {
         impl Choice for $type {
             fn words(&self) -> &'static [&'static str] {
                 &[$($word),+]
             }
 
             fn planned(&self) -> &'static [&'static str] {
-                &[$($planned),+]
+                &[$($($planned),+)?]
             }
 
             fn word(&self) -> &'static str {
@@ -70,6 +74,6 @@ macro_rules! choice {
 }
 
 choice!(TimingMode: "lockstep" => Lockstep; planned: "realtime");
-choice!(Kinematics: "gantry" => Gantry; planned: "arm");
-choice!(Gears: "rigid" => Rigid; planned: "elastic");
+choice!(Kinematics: "gantry" => Gantry, "arm" => Arm);
+choice!(Gears: "rigid" => Rigid, "elastic" => Elastic);
 choice!(Law: "pd" => Pd, "proposed" => Proposed; planned: "literal", "pd-reset", "elastic", "ros2", "fzi");

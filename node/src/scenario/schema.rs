@@ -257,6 +257,7 @@ mod tests {
             plain,
             [
                 "timing.seed",
+                "robot.gear_damping",
                 "robot.filter_damping",
                 "object.rebound_ratio",
                 "object.exponent",
