@@ -406,3 +406,6 @@ impl Motion {
             .inverse(share.distance, share.speed, share.acceleration)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,6 +3,7 @@
 mod arm;
 mod elastic;
 mod faults;
+mod modes;
 
 use super::*;
 use nalgebra::Vector3;

@@ -49,8 +49,7 @@ pub(super) fn solve(
     }
     let (pose, jacobian) = pose_and_jacobian(&axes);
     let residual = weighted_error(wanted, &pose).norm();
-    // Negated, so that an error that is not a number is refused too.
-    if !(residual <= RESIDUAL) {
+    if residual.is_nan() || residual > RESIDUAL {
         return Err(Unreachable::Residual {
             residual,
             limit: RESIDUAL,
@@ -78,7 +77,7 @@ pub fn smallest_singular_value(jacobian: &Matrix6<f64>) -> f64 {
     for _ in 0..6 {
         let next = factor.solve(&direction);
         growth = next.norm();
-        if !(growth > 0.0) {
+        if growth.is_nan() || growth <= 0.0 {
             return 0.0;
         }
         direction = next / growth;
