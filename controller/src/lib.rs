@@ -35,7 +35,7 @@ use motion::Motion;
 use nalgebra::Vector3;
 use node::scenario::{self, Pairing, Scenario, SensorOutput};
 use pairing::EncoderHistory;
-use spatial::kinematics::Axes;
+use spatial::kinematics::{Axes, Kinematics};
 use spatial::ports::{
     Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, HORIZON, RobotState,
 };
@@ -62,6 +62,8 @@ pub struct Controller {
     newest_sample_utime: i64,
     tare: Tare,
     start: Axes,
+    /// The set-point that the axes are to reach next.
+    commanded: Axes,
     motion: Option<Motion>,
     limits: i32,
 }
@@ -73,6 +75,7 @@ struct Settings {
     period_ticks: i64,
     task: scenario::Task,
     controller: scenario::Controller,
+    kinematics: Kinematics,
     compliance: Compliance,
     d: Vector3<f64>,
     desired: Wrench,
@@ -98,6 +101,7 @@ impl Controller {
                 period_ticks: scenario.timing.command_period_ticks,
                 task: scenario.task.clone(),
                 controller: controller.clone(),
+                kinematics: scenario.robot.kinematics(),
                 compliance: Compliance::isotropic(
                     controller.compliance_m_per_n,
                     controller.compliance_rad_per_nm,
@@ -114,6 +118,7 @@ impl Controller {
             newest_sample_utime: i64::MIN,
             tare: Tare::default(),
             start: Axes::zeros(),
+            commanded: Axes::zeros(),
             motion: None,
             limits: 0,
         }
@@ -127,6 +132,7 @@ impl Controller {
         self.encoders.update(state);
         if self.phase == ControllerPhase::Init {
             self.start = state.axis_position[0];
+            self.commanded = self.start;
             self.phase = ControllerPhase::Sync;
         }
         for sample in deflections.samples.iter().rev() {
@@ -152,7 +158,7 @@ impl Controller {
             return;
         };
         let approaching = self.phase == ControllerPhase::Approach;
-        motion.take(sample, &deflection, &axes, approaching, tick);
+        motion.take(&self.settings, sample, &deflection, &axes, approaching, tick);
     }
 
     /// The deflection that a sample stands for. Paper (3), (4): a sensor that outputs forces is turned back into
@@ -213,16 +219,26 @@ impl Controller {
         }
     }
 
-    /// The next set-points of the axes, one period apart.
+    /// The next set-points of the axes, one period apart. A pose that kinematics can't reach latches a fault: the
+    /// axes stay at the set-point last given.
     fn set_points(&mut self, tick: i64, actual: &Axes) -> [Axes; HORIZON] {
         self.limits = 0;
+        let held = [self.commanded; HORIZON];
         let Some(motion) = &mut self.motion else {
-            return [self.start; HORIZON];
+            return held;
         };
-        let (set_points, bound) = motion.set_points(&self.settings, tick, actual);
+        if self.fault == Fault::Unreachable {
+            return held;
+        }
+        let Ok((set_points, bound)) = motion.set_points(&self.settings, tick, actual, &self.commanded) else {
+            self.phase = ControllerPhase::Fault;
+            self.fault = Fault::Unreachable;
+            return held;
+        };
         if bound {
             self.limits |= status::LIMIT_LEAD;
         }
+        self.commanded = set_points[0];
         set_points
     }
 }

@@ -9,7 +9,7 @@ use crate::law::NormalLaw;
 use crate::posture::Posture;
 use crate::transform::compliance_along;
 use nalgebra::Vector3;
-use spatial::kinematics::{Axes, Gantry};
+use spatial::kinematics::{Axes, Unreachable};
 use spatial::ports::{DeflectionSample, HORIZON};
 use spatial::{Deflection, Pose, TICK_S, TICK_US};
 
@@ -47,7 +47,7 @@ struct Contact {
 impl Motion {
     /// At rest at the axes `start`, with the deflection `tare` there.
     pub(crate) fn new(settings: &Settings, tare: &Deflection, start: &Axes) -> Self {
-        let r_from_s = Gantry.forward(start);
+        let r_from_s = settings.kinematics.forward(start);
         let posture = Posture::new(
             &settings.compliance,
             settings.d,
@@ -90,6 +90,7 @@ impl Motion {
     /// Take one sample: the `deflection` that it stands for, at `axes`.
     pub(crate) fn take(
         &mut self,
+        settings: &Settings,
         sample: &DeflectionSample,
         deflection: &Deflection,
         axes: &Axes,
@@ -99,7 +100,7 @@ impl Motion {
         self.axes = *axes;
         self.deflection = *deflection;
         self.saturated = sample.flags.saturated;
-        let r_from_s = Gantry.forward(axes);
+        let r_from_s = settings.kinematics.forward(axes);
         let object_m = self
             .posture
             .deflected_tcp(&r_from_s, deflection)
@@ -140,16 +141,19 @@ impl Motion {
         self.settled_cycles
     }
 
-    /// The next set-points of the axes, one period apart, and whether the bound of command minus actual binds.
+    /// The next set-points of the axes, one period apart, each on the branch of its predecessor (the first one
+    /// `near` the set-point before), and whether the bound of command minus actual binds.
     pub(crate) fn set_points(
         &mut self,
         settings: &Settings,
         tick: i64,
         actual: &Axes,
-    ) -> ([Axes; HORIZON], bool) {
+        near: &Axes,
+    ) -> Result<([Axes; HORIZON], bool), Unreachable> {
+        let kinematics = &settings.kinematics;
         let actual_m = self
             .posture
-            .hanging_tcp(&Gantry.forward(actual))
+            .hanging_tcp(&kinematics.forward(actual))
             .translation
             .vector
             .z;
@@ -166,11 +170,14 @@ impl Motion {
             self.path_point(settings, reached(0)).acceleration,
             settings.period_ticks,
         );
-        let axes = std::array::from_fn(|i| {
+        let mut axes = [*near; HORIZON];
+        let mut near = *near;
+        for (i, slot) in axes.iter_mut().enumerate() {
             let tilt = self.tilt(settings, reached(i));
-            Gantry.inverse(&self.posture.sensor_pose(heights[i], tilt))
-        });
-        (axes, heights[0] != wanted[0])
+            near = kinematics.inverse(&self.posture.sensor_pose(heights[i], tilt), &near)?;
+            *slot = near;
+        }
+        Ok((axes, heights[0] != wanted[0]))
     }
 
     /// The set-point of the approach that is reached at `tick`; with the feed-forward the robot is on the path
@@ -217,9 +224,9 @@ fn since(settings: &Settings, start: i64, tick: i64) -> f64 {
 /// What the status tells.
 impl Motion {
     /// `r_from_ta1`: the deflected tcp at the newest sample.
-    pub(crate) fn tcp_pose(&self) -> Pose {
+    pub(crate) fn tcp_pose(&self, settings: &Settings) -> Pose {
         self.posture
-            .deflected_tcp(&Gantry.forward(&self.axes), &self.deflection)
+            .deflected_tcp(&settings.kinematics.forward(&self.axes), &self.deflection)
     }
 
     pub(crate) fn deflection(&self) -> &Deflection {

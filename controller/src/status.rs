@@ -2,7 +2,7 @@
 
 use crate::Controller;
 use nalgebra::Vector3;
-use spatial::kinematics::{Axes, Gantry};
+use spatial::kinematics::Axes;
 use spatial::ports::{
     Authenticity, Command, ControllerStatus, Detection, HORIZON, ImpactAssessment, ParameterAnswer, Role,
     Stamp,
@@ -35,7 +35,7 @@ impl Controller {
             object_known: false,
             object_pose: Pose::identity(),
             object_velocity: Vector3::zeros(),
-            tcp_pose: Gantry.forward(&self.start),
+            tcp_pose: settings.kinematics.forward(&self.start),
             wrench: Wrench::default(),
             desired_wrench: settings.desired,
             force_error_n: 0.0,
@@ -61,7 +61,7 @@ impl Controller {
         let Some(motion) = &self.motion else {
             return status;
         };
-        status.tcp_pose = motion.tcp_pose();
+        status.tcp_pose = motion.tcp_pose(settings);
         status.wrench = self.contact_wrench(motion.deflection());
         status.detection.statistic_n = motion.force_n();
         status.detection.threshold_n = motion.threshold_n();

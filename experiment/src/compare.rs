@@ -263,6 +263,41 @@ mod tests {
         assert!(failures[2].starts_with("law proposed on"), "{failures:?}");
     }
 
+    /// PLANT.md section 6, rigid: peak at most 17 N, settled within 60 ms.
+    #[test]
+    fn the_arm_with_rigid_gears_attains_what_the_gantry_must() {
+        let arm = crate::scenarios::Source::find("arm")
+            .unwrap()
+            .scenario(&[])
+            .unwrap();
+        let Summary { worst, .. } = Summary::of(&outcomes(&variations(&arm, 8, 1), || ())).unwrap();
+        assert!(
+            worst.peak_n <= 17.0 && worst.settling_10_s <= 0.060 && worst.iae_n_s <= 0.32,
+            "{worst:?}"
+        );
+    }
+
+    #[test]
+    fn every_kinematics_runs_on_every_scenario() {
+        let both = Matrix {
+            kinematics: vec!["gantry".to_owned(), "arm".to_owned()],
+            seeds: 1,
+            ..matrix(&["proposed"], 1)
+        };
+        for name in crate::scenarios::names() {
+            let scenario = crate::scenarios::Source::find(name)
+                .unwrap()
+                .scenario(&[])
+                .unwrap();
+            let comparison = both.run(&scenario, || ()).unwrap();
+            assert_eq!(
+                (comparison.rows.len(), comparison.failures.len()),
+                (2, 0),
+                "{name}"
+            );
+        }
+    }
+
     #[test]
     fn a_run_that_ends_early_says_so() {
         let outcome = metrics(&scenario(&["timing.duration_s=2.0"]));

@@ -55,11 +55,11 @@ const TURNED_BY: &[&str] = &[
     "task.desired_force_n",
 ];
 
-struct Conflicts(Vec<Conflict>);
+pub(super) struct Conflicts(Vec<Conflict>);
 
 impl Conflicts {
     /// Notes the conflict of `keys` unless `holds`.
-    fn require(&mut self, holds: bool, keys: &'static [&'static str], text: String) {
+    pub(super) fn require(&mut self, holds: bool, keys: &'static [&'static str], text: String) {
         if !holds {
             self.0.push(Conflict { keys, text });
         }
@@ -89,21 +89,6 @@ impl Scenario {
                 "controller.tare_s is {} s, longer than task.standstill_s, {} s; tare within the standstill",
                 short(tare),
                 short(standstill),
-            ),
-        );
-
-        let [speed, limit] = [
-            task.approach_speed_m_per_s,
-            self.robot.velocity_limit_rad_per_s[2],
-        ];
-        conflicts.require(
-            speed <= limit,
-            &["task.approach_speed_m_per_s", "robot.velocity_limit_rad_per_s"],
-            format!(
-                "task.approach_speed_m_per_s is {} m/s, above robot.velocity_limit_rad_per_s[2], {} rad/s (of 1 m \
-                 each); approach more slowly",
-                short(speed),
-                short(limit),
             ),
         );
 
@@ -140,58 +125,6 @@ impl Scenario {
                 "object.height_m is {} m, not below the hanging tool's tcp at {} m; start higher or lower the object",
                 short(height),
                 short(tcp),
-            ),
-        );
-    }
-
-    fn check_axes(&self, conflicts: &mut Conflicts) {
-        let Self {
-            robot, task, tool, ..
-        } = self;
-        let [x, y, z] = std::array::from_fn(|i| task.start_position_m[i] - tool.tcp_in_s_m[i]);
-        let start = [x, y, z, 0.0, 0.0, 0.0];
-        for (i, start) in start.into_iter().enumerate() {
-            let [low, high] = [robot.axis_minimum_rad[i], robot.axis_maximum_rad[i]];
-            conflicts.require(
-                low < high,
-                &["robot.axis_minimum_rad", "robot.axis_maximum_rad"],
-                format!(
-                    "robot.axis_minimum_rad[{i}] is {} rad, not below robot.axis_maximum_rad[{i}], {} rad; leave \
-                     the axis room to move",
-                    short(low),
-                    short(high),
-                ),
-            );
-            conflicts.require(
-                low >= high || (low..=high).contains(&start),
-                &[
-                    "task.start_position_m",
-                    "robot.axis_minimum_rad",
-                    "robot.axis_maximum_rad",
-                    "tool.tcp_in_s_m",
-                ],
-                format!(
-                    "task.start_position_m puts axis {i} at {} rad, outside robot.axis_minimum_rad[{i}] to \
-                     robot.axis_maximum_rad[{i}], {}..={} rad; start elsewhere or widen the axis",
-                    short(start),
-                    short(low),
-                    short(high),
-                ),
-            );
-        }
-
-        let [end, low] = [
-            task.expected_height_m - task.search_depth_m - tool.tcp_in_s_m[2],
-            robot.axis_minimum_rad[2],
-        ];
-        conflicts.require(
-            low >= self.robot.axis_maximum_rad[2] || end >= low,
-            &["task.search_depth_m", "task.expected_height_m", "robot.axis_minimum_rad", "tool.tcp_in_s_m"],
-            format!(
-                "task.search_depth_m ends the search with axis 2 at {} rad, below robot.axis_minimum_rad[2], {} rad; \
-                 search less deep or widen the axis",
-                short(end),
-                short(low),
             ),
         );
     }
@@ -299,6 +232,6 @@ fn finer(count: f64) -> f64 {
 }
 
 /// `value` with as many digits as a reader needs.
-fn short(value: f64) -> String {
+pub(super) fn short(value: f64) -> String {
     decimal(&format!("{value:.5e}").parse().unwrap_or(value))
 }
