@@ -8,6 +8,10 @@ use spatial::kinematics::{Arm, Axes};
 /// The link side of the six axes. `rotors` are inertias (kg m^2) that turn with the axes: the motors' where the
 /// gears are rigid.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there is one per robot, and it is not moved"
+)]
 pub enum Links {
     /// One inertia per axis, kg m^2.
     Gantry(Axes),

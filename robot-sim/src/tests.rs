@@ -1,6 +1,7 @@
 //! The robot's answer to commands against PLANT.md section 5.
 
 mod arm;
+mod convergence;
 mod elastic;
 mod faults;
 mod modes;

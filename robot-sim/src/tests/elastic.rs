@@ -130,29 +130,6 @@ fn energy_is_accounted_for() {
     );
 }
 
-/// The fourth order is seen, and the default step of 0.1 ms errs by less than 1e-9 of the motion.
-#[test]
-fn the_integration_step_is_converged() {
-    let end = |step: f64| {
-        let mut scenario = elastic();
-        scenario.robot.integration_step_s = step;
-        let mut robot = RobotSim::new(&scenario);
-        let start = robot.state().axis_position[0];
-        while robot.tick() < 200 {
-            let due = robot
-                .command_due()
-                .then(|| command(&robot, |_| start + Axes::repeat(2e-3)));
-            robot.advance(&tool(&robot), due.as_ref());
-        }
-        robot.link_motion().motion
-    };
-    let exact = end(1e-5).pose.translation.vector;
-    let error = |step: f64| (end(step).pose.translation.vector - exact).norm();
-    let (coarse, fine, default) = (error(1e-3), error(5e-4), error(1e-4));
-    assert!((12.0..20.0).contains(&(coarse / fine)), "{coarse} {fine}");
-    assert!(default < 2e-3 * 1e-9, "{default} m");
-}
-
 /// The tool's weight is compensated: at rest nothing acts on the links, and nothing drifts.
 #[test]
 fn the_start_is_an_equilibrium() {

@@ -80,7 +80,9 @@ impl Arm {
         std::array::from_fn(|i| {
             origin += rotation * MOUNTS[i].offset;
             let axis = rotation * MOUNTS[i].axis;
-            rotation *= rotation::exp(MOUNTS[i].axis * axes[i]);
+            let (sine, cosine) = libm::sincos(0.5 * axes[i]);
+            let turn = MOUNTS[i].axis * sine;
+            rotation *= super::quaternion([cosine, turn.x, turn.y, turn.z]);
             Joint {
                 origin,
                 axis,

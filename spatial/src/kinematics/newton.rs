@@ -4,8 +4,8 @@ use super::{Axes, Unreachable, join};
 use crate::{Pose, rotation};
 use nalgebra::{Cholesky, Const, Matrix6};
 
-/// Steps of one solution. From one set-point to the next (some mm) two are enough; from 0.2 m and 0.3 rad, eight.
-const STEPS: usize = 8;
+/// Steps of one solution. From one set-point to the next (some mm) two are enough, from 0.1 rad in the joints five.
+const STEPS: usize = 5;
 
 /// Square of the damping over the square of the error: it vanishes towards the solution, where the steps are
 /// Newton's and the error is squared each time, and keeps the first ones from overshooting.
