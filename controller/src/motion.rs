@@ -76,7 +76,11 @@ impl Motion {
                 settings.period_ticks,
                 start_height_m,
             ),
-            detector: Detector::new(controller.detection_threshold_n, controller.apparent_mass_kg),
+            detector: Detector::new(
+                controller.detection_threshold_n,
+                controller.apparent_mass_kg,
+                controller.detection_fading_s,
+            ),
             law: NormalLaw::new(controller, aim),
             contact: None,
             newest: ContactSample::default(),

@@ -323,7 +323,9 @@ schema::section! {
         detection_threshold_n: f64 = 0.82, in 1e-3..=1e4;
         /// Force at the tcp per acceleration of the motion, by which that threshold is raised while the robot
         /// accelerates: the tool's inertia deflects the sensor too.
-        apparent_mass_kg: f64 = 3.0, in 0.0..=1e5;
+        apparent_mass_kg: f64 = 4.0, in 0.0..=1e5;
+        /// How fast that rise fades: as long as tool and gears ring on.
+        detection_fading_s: f64 = 0.2, in 1e-3..=10.0;
         /// Deviation from the desired force within which the force counts as settled.
         settled_band_n: f64 = 0.5, in 1e-3..=1e4;
         /// Time over which the tilt to the desired posture is spread after contact.
