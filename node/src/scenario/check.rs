@@ -1,7 +1,8 @@
 //! Values that are fine alone and can't be together.
 
-use super::{Scenario, value::decimal};
+use super::{Gears, Scenario, value::decimal};
 use spatial::TICK_S;
+use std::f64::consts::TAU;
 
 /// Values that can't be together.
 pub(super) struct Conflict {
@@ -14,6 +15,18 @@ pub(super) struct Conflict {
 /// Largest angle by which the fastest motion of the tool may advance in one integration step, rad; the classical
 /// Runge-Kutta method becomes unstable at 2.8.
 const STEP_ANGLE_RAD: f64 = 1.0;
+
+/// Largest angle by which a gear's mode may advance in one integration step, rad. Free motors and coupled links are
+/// faster than the mode with the motor locked: a tenth of what the method stands.
+const GEAR_ANGLE_RAD: f64 = 0.28;
+
+/// What the gears' modes depend on.
+const GEARS_BY: &[&str] = &[
+    "robot.integration_step_s",
+    "robot.gears",
+    "robot.gantry.gear_frequency_hz",
+    "robot.arm.gear_frequency_hz",
+];
 
 /// What the fastest motion depends on.
 const FASTEST_BY: &[&str] = &[
@@ -149,6 +162,22 @@ impl Scenario {
                 ),
             );
         }
+
+        let swinging = match self.robot.gears {
+            Gears::Rigid => 0.0,
+            Gears::Elastic => self.robot.drives().gear_frequency_hz.max(),
+        };
+        conflicts.require(
+            robot * swinging * TAU <= GEAR_ANGLE_RAD,
+            GEARS_BY,
+            format!(
+                "robot.integration_step_s is {} s, too long for gears that swing with up to {} Hz; choose at most {} s, \
+                 or softer gears",
+                short(robot),
+                short(swinging),
+                short(GEAR_ANGLE_RAD / (swinging * TAU)),
+            ),
+        );
 
         let fastest = self.fastest_rad_per_s();
         conflicts.require(

@@ -14,7 +14,7 @@ wire_enum! {
         PeerSilent = 2,
         /// A peer runs with another configuration, seed, T or protocol.
         HelloMismatch = 3,
-        /// A command is not finite, leaves the axis limits or jumps.
+        /// A command is not finite.
         CommandInvalid = 4,
         /// Commands were missing for longer than `command_gap_s`.
         CommandGap = 5,

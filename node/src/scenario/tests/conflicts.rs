@@ -118,6 +118,21 @@ fn the_integration_steps_divide_the_tick_and_resolve_the_tool() {
 }
 
 #[test]
+fn the_integration_step_resolves_the_gears() {
+    assert_eq!(
+        refusal(
+            "",
+            &[
+                "robot.gears=elastic",
+                "robot.gantry.gear_frequency_hz=[14, 14, 14, 20, 20, 500]"
+            ]
+        ),
+        "--set robot.gears=elastic: robot.integration_step_s is 0.0001 s, too long for gears that swing with up to \
+         500 Hz; choose at most 8.91268e-5 s, or softer gears"
+    );
+}
+
+#[test]
 fn the_load_is_within_the_sensors_range() {
     assert_eq!(
         refusal("tool.mass_kg = 100", &[]),
