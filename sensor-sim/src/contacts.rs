@@ -3,10 +3,13 @@
 use crate::contact::Contact;
 use crate::object::{Base, Object};
 use crate::tool::State;
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 use node::scenario::{self, ToolShape};
 use std::f64::consts::TAU;
-use std::ops::Mul;
+
+/// Gap (m) that is kept in addition to what speed takes, for what forces can do within a fraction of a tick:
+/// 200 m/s^2 move by 4 um in 0.2 ms.
+const JERK_ROOM_M: f64 = 5e-6;
 
 /// Points on each ring of a peg.
 const RING: usize = 8;
@@ -19,6 +22,8 @@ const RING: usize = 8;
 pub struct Contacts {
     object: Object,
     points: Vec<Point>,
+    /// Largest distance of a point from the centre of mass, m.
+    reach_m: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,9 +79,11 @@ impl Contacts {
             offset: centre + offset,
             contact,
         };
+        let points: Vec<Point> = offsets.into_iter().map(point).collect();
         Self {
             object: Object::new(object),
-            points: offsets.into_iter().map(point).collect(),
+            reach_m: points.iter().map(|point| point.offset.norm()).fold(0.0, f64::max),
+            points,
         }
     }
 
@@ -86,13 +93,10 @@ impl Contacts {
     }
 
     /// The load on the tool in `state`, whose orientation is `r_from_s1`; memories stay as they are.
-    pub fn load<R>(&self, state: &State, r_from_s1: R, base: &Base) -> Load
-    where
-        R: Mul<Vector3<f64>, Output = Vector3<f64>> + Copy,
-    {
+    pub fn load(&self, state: &State, r_from_s1: &Rotation3<f64>, base: &Base) -> Load {
         let mut load = Load::default();
         for Point { offset, contact } in &self.points {
-            let lever = r_from_s1 * *offset;
+            let lever = r_from_s1 * offset;
             let (h, normal) = self.object.probe(base, &state.surface, &state.position, &lever);
             let pressure = contact.force(h);
             if pressure > 0.0 {
@@ -110,37 +114,47 @@ impl Contacts {
 
     /// The deepest point of the tool in `state`.
     pub fn deepest(&self, state: &State, base: &Base) -> Deepest {
+        let r_from_s1 = state.rotation.to_rotation_matrix();
         let mut deepest = Deepest {
             indentation_m: f64::NEG_INFINITY,
             remaining_m: 0.0,
         };
-        for point in &self.points {
-            let h = self.indentation(point, state, base);
+        for Point { offset, contact } in &self.points {
+            let lever = r_from_s1 * offset;
+            let (h, _) = self.object.probe(base, &state.surface, &state.position, &lever);
             if h > deepest.indentation_m {
                 deepest = Deepest {
                     indentation_m: h,
-                    remaining_m: point.contact.remaining_m(),
+                    remaining_m: contact.remaining_m(),
                 };
             }
         }
         deepest
     }
 
-    /// Remember the indentations reached at the end of an integration step.
-    pub fn remember(&mut self, state: &State, base: &Base) {
-        for i in 0..self.points.len() {
-            let h = self.indentation(&self.points[i], state, base);
-            self.points[i].contact.remember(h);
+    /// Remember the indentations reached at the end of an integration step; returns the deepest one, m.
+    pub fn remember(&mut self, state: &State, base: &Base) -> f64 {
+        let r_from_s1 = state.rotation.to_rotation_matrix();
+        let mut deepest = f64::NEG_INFINITY;
+        for Point { offset, contact } in &mut self.points {
+            let lever = r_from_s1 * *offset;
+            let (h, _) = self.object.probe(base, &state.surface, &state.position, &lever);
+            contact.remember(h);
+            deepest = deepest.max(h);
         }
+        deepest
+    }
+
+    /// Whether the tool in `state` can't come within reach of the object in the next `time` s: the gap is more than
+    /// what twice the present speeds and [`JERK_ROOM_M`] take of it.
+    pub fn stays_clear(&self, state: &State, base: &Base, indentation_m: f64, time: f64) -> bool {
+        let surface = base.velocity - self.object.normal() * state.surface.rate;
+        let speed = (state.velocity - surface).norm() + state.angular_velocity.norm() * self.reach_m;
+        -indentation_m > 2.0 * speed * time + JERK_ROOM_M
     }
 
     /// Height of the object's origin in r, m, where its surface has yielded to.
     pub fn height_m(&self, state: &State, base: &Base) -> f64 {
         base.position.z - self.object.normal().z * state.surface.depth
-    }
-
-    fn indentation(&self, point: &Point, state: &State, base: &Base) -> f64 {
-        let lever = state.rotation * point.offset;
-        self.object.probe(base, &state.surface, &state.position, &lever).0
     }
 }

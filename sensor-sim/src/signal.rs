@@ -35,10 +35,20 @@ pub struct SignalChain {
     /// Ticks in which the sensor drops out.
     dropout: Range<i64>,
     delay_ticks: usize,
+    felt: [f64; 12],
     filtered: [f64; 12],
     random: Pcg64,
     /// Samples by tick, as a ring.
     ring: Vec<DeflectionSample>,
+}
+
+/// A first-order low pass over one step, solved in closed form for a signal that moves linearly within it:
+/// `y(h) = e^-a y(0) + ((1 - e^-a)/a - e^-a) u(0) + (1 - (1 - e^-a)/a) u(h)` with `a = h / tau`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    keep: f64,
+    before: f64,
+    after: f64,
 }
 
 impl SignalChain {
@@ -61,20 +71,33 @@ impl SignalChain {
             wrench_measured: sensor.wrench_measured,
             dropout: dropout_start..dropout_start + tick(sensor.dropout_duration_s),
             delay_ticks,
+            felt: components(reading),
             filtered: components(reading),
             random: Pcg64::seed_from_u64(seed as u64),
             ring: vec![DeflectionSample::default(); delay_ticks + DEFLECTION_SAMPLES],
         }
     }
 
-    /// Let the low pass follow over one integration step of `step` s, in which what the sensor feels moves linearly
-    /// from `before` to `after` (the mean is held: second order in the step).
-    pub fn follow(&mut self, before: &Reading, after: &Reading, step: f64) {
-        let weight = 1.0 - libm::exp(-step / self.time_constant_s);
-        let (start, end) = (components(before), components(after));
-        for i in 0..12 {
-            self.filtered[i] += weight * (0.5 * (start[i] + end[i]) - self.filtered[i]);
+    /// The low pass over a step of `step` s.
+    pub fn weights(&self, step: f64) -> Weights {
+        let a = step / self.time_constant_s;
+        let keep = libm::exp(-a);
+        let mean = -libm::expm1(-a) / a;
+        Weights {
+            keep,
+            before: mean - keep,
+            after: 1.0 - mean,
         }
+    }
+
+    /// Let the low pass follow over one integration step, in which what the sensor feels moves linearly to `reading`.
+    pub fn follow(&mut self, reading: &Reading, weights: &Weights) {
+        let now = components(reading);
+        let signals = self.felt.iter().zip(&now);
+        for (filtered, (before, after)) in self.filtered.iter_mut().zip(signals) {
+            *filtered = weights.keep * *filtered + weights.before * before + weights.after * after;
+        }
+        self.felt = now;
     }
 
     /// Take the sample of `tick` and return the eight newest that have come through the delay, newest first.
@@ -216,14 +239,36 @@ mod tests {
         });
         let step = deflected([1e-3, 0.0, 0.0]);
         chain.sample(0);
+        chain.felt = components(&step);
+        let weights = chain.weights(1e-3);
         for tick in 1..=20 {
-            chain.follow(&step, &step, 1e-3);
+            chain.follow(&step, &weights);
             let samples = chain.sample(tick);
             assert_eq!(samples[0].utime, (tick - 4) * 1000);
             assert_eq!(samples[0].flags.valid, tick >= 4);
             let after = (tick - 4).max(0) as f64 * 1e-3;
             let expected = 1e-3 * (1.0 - libm::exp(-std::f64::consts::TAU * 200.0 * after));
             assert!((samples[0].deflection.translation.x - expected).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_ramp_passes_the_low_pass_exactly_in_steps_of_any_length() {
+        let through = |steps: u32| {
+            let mut chain = chain(quiet());
+            let weights = chain.weights(1e-3 / f64::from(steps));
+            for i in 1..=steps {
+                chain.follow(
+                    &deflected([1e-3 * f64::from(i) / f64::from(steps), 0.0, 0.0]),
+                    &weights,
+                );
+            }
+            chain.filtered[0]
+        };
+        let tau = 1.0 / (std::f64::consts::TAU * 200.0);
+        let exact = 1.0 - tau / 1e-3 * (1.0 - libm::exp(-1e-3 / tau));
+        for steps in [1, 5, 50] {
+            assert!((through(steps) / 1e-3 / exact - 1.0).abs() < 1e-12);
         }
     }
 
@@ -262,7 +307,9 @@ mod tests {
             ..quiet()
         });
         let far = deflected([0.1234567e-3, -2e-3, 0.0]);
-        chain.follow(&far, &far, 1.0);
+        let weights = chain.weights(1.0);
+        chain.follow(&far, &weights);
+        chain.follow(&far, &weights);
         let sample = chain.sample(0)[0];
         assert!((sample.deflection.translation.x - 0.123e-3).abs() < 1e-12);
         assert_eq!(sample.deflection.translation.y, -1.5e-3);
