@@ -1,15 +1,11 @@
 //! Where the tool touches the object: the points that may, each with its contact and its memory.
 
-use crate::contact::Contact;
+use crate::contact::{Contact, Piece};
 use crate::object::{Base, Object};
 use crate::tool::State;
 use nalgebra::{Rotation3, Vector3};
 use node::scenario::{self, ToolShape};
 use std::f64::consts::TAU;
-
-/// Gap (m) that is kept in addition to what speed takes, for what forces can do within a fraction of a tick:
-/// 200 m/s^2 move by 4 um in 0.2 ms.
-const JERK_ROOM_M: f64 = 5e-6;
 
 /// Points on each ring of a peg.
 const RING: usize = 8;
@@ -22,8 +18,6 @@ const RING: usize = 8;
 pub struct Contacts {
     object: Object,
     points: Vec<Point>,
-    /// Largest distance of a point from the centre of mass, m.
-    reach_m: f64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,11 +73,9 @@ impl Contacts {
             offset: centre + offset,
             contact,
         };
-        let points: Vec<Point> = offsets.into_iter().map(point).collect();
         Self {
             object: Object::new(object),
-            reach_m: points.iter().map(|point| point.offset.norm()).fold(0.0, f64::max),
-            points,
+            points: offsets.into_iter().map(point).collect(),
         }
     }
 
@@ -101,7 +93,7 @@ impl Contacts {
             let pressure = contact.force(h);
             if pressure > 0.0 {
                 let velocity = state.velocity + state.angular_velocity.cross(&lever);
-                let surface = base.velocity - self.object.normal() * state.surface.rate;
+                let surface = self.surface_velocity(state, base);
                 let force =
                     normal * pressure + self.object.friction(pressure, &normal, &(velocity - surface));
                 load.force += force;
@@ -145,12 +137,26 @@ impl Contacts {
         deepest
     }
 
-    /// Whether the tool in `state` can't come within reach of the object in the next `time` s: the gap is more than
-    /// what twice the present speeds and [`JERK_ROOM_M`] take of it.
-    pub fn stays_clear(&self, state: &State, base: &Base, indentation_m: f64, time: f64) -> bool {
-        let surface = base.velocity - self.object.normal() * state.surface.rate;
-        let speed = (state.velocity - surface).norm() + state.angular_velocity.norm() * self.reach_m;
-        -indentation_m > 2.0 * speed * time + JERK_ROOM_M
+    /// Whether the contact was smooth while the tool went from `start` to `end` within `time` s: no point met a kink
+    /// of its law, nor was about to.
+    pub fn stayed_smooth(&self, start: (&State, &Base), end: (&State, &Base), time: f64) -> bool {
+        let rotations = [start.0, end.0].map(|state| state.rotation.to_rotation_matrix());
+        self.points.iter().all(|Point { offset, contact }| {
+            let [(h, rate), (h_end, _)] =
+                [(start, rotations[0]), (end, rotations[1])].map(|((state, base), r)| {
+                    let lever = r * offset;
+                    let (h, normal) = self.object.probe(base, &state.surface, &state.position, &lever);
+                    let velocity = state.velocity + state.angular_velocity.cross(&lever);
+                    (h, normal.dot(&(velocity - self.surface_velocity(state, base))))
+                });
+            let (piece, room) = contact.piece(h);
+            let allowed = piece == Piece::Off || (piece == Piece::Rebound && self.object.is_linear());
+            allowed && room > rate.abs() * time && contact.piece(h_end).0 == piece
+        })
+    }
+
+    fn surface_velocity(&self, state: &State, base: &Base) -> Vector3<f64> {
+        base.velocity - self.object.normal() * state.surface.rate
     }
 
     /// Height of the object's origin in r, m, where its surface has yielded to.

@@ -37,10 +37,10 @@ pub struct SensorSim {
     body: Body,
     contacts: Contacts,
     s_from_t: Pose,
-    /// A tick's steps in free motion.
-    free: Steps,
-    /// Those that take the place of one of them in and near contact.
-    near: Steps,
+    /// A tick's steps while the contact is smooth.
+    smooth: Steps,
+    /// Those that take the place of one of them around kinks.
+    kinked: Steps,
     state: State,
     now: Instant,
     /// Of the deepest point, m; negative: distance.
@@ -69,12 +69,12 @@ impl SensorSim {
         let seed = scenario.timing.seed;
         let reading = reading(&body, &state, link, sensor.wrench_measured);
         let chain = SignalChain::new(sensor, seed, &reading);
-        let free = Steps::new(TICK_S, sensor.free_step_s, &chain);
+        let smooth = Steps::new(TICK_S, sensor.smooth_step_s, &chain);
         Self {
             seed,
             s_from_t: spatial::pose(tool.tcp_in_s_m.into(), Vector3::zeros()),
-            free,
-            near: Steps::new(free.step_s, sensor.integration_step_s, &chain),
+            smooth,
+            kinked: Steps::new(smooth.step_s, sensor.integration_step_s, &chain),
             state,
             now: Instant { link: *link, base },
             indentation_m: contacts.deepest(&state, &base).indentation_m,
@@ -104,55 +104,69 @@ impl SensorSim {
         self.outputs(tick)
     }
 
-    /// Free motion goes in long steps, whatever may touch the object within one in short ones.
+    /// While the contact is smooth, free or pressing, time goes in long steps; a long step that has met a kink of
+    /// the contact's law is taken back and done in short ones.
     fn integrate(&mut self, start_tick: i64, end: &Motion) {
         let start_s = start_tick as f64 * TICK_S;
         let segment = MotionSegment::new(self.now.link, *end, TICK_S);
-        let mut now = self.now;
-        for interval in 0..self.free.count {
-            let begin = interval as f64 * self.free.step_s;
-            let clear =
-                self.contacts
-                    .stays_clear(&self.state, &now.base, self.indentation_m, self.free.step_s);
-            let (steps, count) = if clear {
-                (self.free, 1)
-            } else {
-                (self.near, self.near.count)
-            };
-            for i in 0..count {
-                let time = begin + i as f64 * steps.step_s;
-                let at = |time: f64| Instant {
-                    link: segment.at(time),
-                    base: self.contacts.object().base(start_s + time),
-                };
-                let (middle, end) = (at(time + 0.5 * steps.step_s), at(time + steps.step_s));
-                let instants = [&now, &middle, &end];
-                let (state, work) = self
-                    .body
-                    .integrate(&self.state, instants, &self.contacts, steps.step_s);
-                self.state = state;
-                self.work.add(&work);
-                self.observe(start_s + time, steps, &end);
-                now = end;
+        for i in 0..self.smooth.count {
+            let time = i as f64 * self.smooth.step_s;
+            if !self.step(&segment, start_s, time, self.smooth, true) {
+                for j in 0..self.kinked.count {
+                    let time = time + j as f64 * self.kinked.step_s;
+                    self.step(&segment, start_s, time, self.kinked, false);
+                }
             }
         }
     }
 
+    /// One step from `time` s after the segment's start, unless it must stay smooth and does not.
+    fn step(
+        &mut self,
+        segment: &MotionSegment,
+        start_s: f64,
+        time: f64,
+        steps: Steps,
+        must_stay_smooth: bool,
+    ) -> bool {
+        let at = |time: f64| Instant {
+            link: segment.at(time),
+            base: self.contacts.object().base(start_s + time),
+        };
+        let (middle, end) = (at(time + 0.5 * steps.step_s), at(time + steps.step_s));
+        let instants = [&self.now, &middle, &end];
+        let (state, work) = self
+            .body
+            .integrate(&self.state, instants, &self.contacts, steps.step_s);
+        let before = (&self.state, &self.now.base);
+        if must_stay_smooth
+            && !self
+                .contacts
+                .stayed_smooth(before, (&state, &end.base), steps.step_s)
+        {
+            return false;
+        }
+        self.state = state;
+        self.now = end;
+        self.work.add(&work);
+        self.observe(start_s + time, steps);
+        true
+    }
+
     /// After a step that began at `start_s`: contact, its memory and the low pass.
-    fn observe(&mut self, start_s: f64, steps: Steps, end: &Instant) {
+    fn observe(&mut self, start_s: f64, steps: Steps) {
+        let Instant { link, base } = self.now;
         let before = self.indentation_m;
-        let h = self.contacts.remember(&self.state, &end.base);
+        let h = self.contacts.remember(&self.state, &base);
         self.indentation_m = h;
         if h > 0.0 {
-            self.contact_force_peak_n = self
-                .contact_force_peak_n
-                .max(self.contact_force(&end.base).norm());
+            self.contact_force_peak_n = self.contact_force_peak_n.max(self.contact_force(&base).norm());
             self.first_contact.get_or_insert_with(|| FirstContact {
                 time_s: start_s + steps.step_s * (-before / (h - before)),
                 speed_m_per_s: (h - before) / steps.step_s,
             });
         }
-        let reading = reading(&self.body, &self.state, &end.link, self.wrench_measured);
+        let reading = reading(&self.body, &self.state, &link, self.wrench_measured);
         self.chain.follow(&reading, &steps.weights);
     }
 
