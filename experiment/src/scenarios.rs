@@ -5,7 +5,10 @@ use std::io;
 use std::path::PathBuf;
 
 /// Name and text of every built-in scenario.
-const BUILT_IN: [(&str, &str); 1] = [("paper", include_str!("../scenarios/paper.toml"))];
+const BUILT_IN: [(&str, &str); 2] = [
+    ("paper", include_str!("../scenarios/paper.toml")),
+    ("car_body", include_str!("../scenarios/car_body.toml")),
+];
 
 /// The text of a scenario and where it comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -100,7 +103,7 @@ mod tests {
     fn what_does_not_exist_is_refused_with_what_does() {
         assert_eq!(
             Source::find("papre").unwrap_err().to_string(),
-            "unknown scenario \"papre\"; the built-in ones are: paper; \
+            "unknown scenario \"papre\"; the built-in ones are: paper, car_body; \
              a path works too: it contains a / or ends with .toml"
         );
         let missing = Source::find("missing.toml").unwrap_err().to_string();
