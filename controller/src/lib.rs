@@ -136,7 +136,7 @@ impl Controller {
             self.phase = ControllerPhase::Sync;
         }
         for sample in deflections.samples.iter().rev() {
-            if sample.flags.valid && sample.utime > self.newest_sample_utime {
+            if self.usable(sample) && sample.utime > self.newest_sample_utime {
                 self.newest_sample_utime = sample.utime;
                 self.take(sample, tick);
             }
@@ -146,6 +146,15 @@ impl Controller {
         Outputs {
             command: self.command(tick, axis_position),
             status: self.status(tick),
+        }
+    }
+
+    /// Whether a sample tells anything: it was taken, and it carries the output that is used.
+    fn usable(&self, sample: &DeflectionSample) -> bool {
+        let flags = sample.flags;
+        match self.settings.controller.sensor_output {
+            SensorOutput::Deflection => flags.valid,
+            SensorOutput::Force => flags.valid && flags.wrench_measured,
         }
     }
 
@@ -242,3 +251,6 @@ impl Controller {
         set_points
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,9 +1,11 @@
-//! The controller on a robot that follows ideally.
+//! The controller on a robot and a sensor that do as the test says.
+
+mod laws;
+mod phases;
+mod samples;
 
 use super::*;
-use spatial::ports::{
-    Authenticity, ClockEcho, DEFLECTION_SAMPLES, ENCODER_SAMPLES, RobotMode, Role, SampleFlags, Stamp,
-};
+use spatial::ports::{Authenticity, ClockEcho, ENCODER_SAMPLES, RobotMode, Role, SampleFlags, Stamp};
 
 fn state(tick: i64, axes: Axes) -> RobotState {
     RobotState {
@@ -22,20 +24,37 @@ fn state(tick: i64, axes: Axes) -> RobotState {
     }
 }
 
-fn undeflected(tick: i64) -> Deflections {
-    let sample = DeflectionSample {
-        utime: tick * spatial::TICK_US,
-        flags: SampleFlags {
-            valid: true,
-            ..SampleFlags::default()
-        },
-        ..DeflectionSample::default()
-    };
+/// What the sensor says at `tick`: its last eight samples, which come through a delay of `delay` ticks.
+fn sensed(tick: i64, delay: i64, at: impl Fn(i64) -> Deflection) -> Deflections {
+    let samples = std::array::from_fn(|age| {
+        let sampled = tick - delay - age as i64;
+        DeflectionSample {
+            utime: sampled * spatial::TICK_US,
+            deflection: at(sampled),
+            flags: SampleFlags {
+                valid: sampled >= 0,
+                ..SampleFlags::default()
+            },
+            ..DeflectionSample::default()
+        }
+    });
     Deflections {
         stamp: Stamp::lockstep(tick, 1, Role::Sensor),
-        samples: [sample; DEFLECTION_SAMPLES],
+        samples,
         echo: ClockEcho::default(),
         authenticity: Authenticity::default(),
+    }
+}
+
+fn undeflected(tick: i64) -> Deflections {
+    sensed(tick, 0, |_| Deflection::default())
+}
+
+/// A deflection along z, m.
+fn lifted(z: f64) -> Deflection {
+    Deflection {
+        translation: Vector3::new(0.0, 0.0, z),
+        rotation: Vector3::zeros(),
     }
 }
 

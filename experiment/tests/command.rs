@@ -24,14 +24,6 @@ fn touchdown(arguments: &str) -> (i32, String, String) {
 fn what_does_not_exist_is_refused_by_name() {
     for (arguments, error) in [
         (
-            "compare --robots rigid,elastic",
-            "robot.gears = \"elastic\" is not available yet; choose \"rigid\"",
-        ),
-        (
-            "compare --kinematics arm",
-            "robot.kinematics = \"arm\" is not available yet; choose \"gantry\"",
-        ),
-        (
             "compare --laws pd,fzi",
             "controller.law = \"fzi\" is not available yet; choose \"pd\" or \"proposed\"",
         ),

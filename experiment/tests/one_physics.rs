@@ -14,10 +14,10 @@ use robot_sim::command_path::CommandPath;
 use robot_sim::servo::{Servo, ServoParameters};
 use sensor_sim::contacts::Contacts;
 use sensor_sim::object::Base;
-use sensor_sim::tool::{Body, Rates, State, Surroundings};
+use sensor_sim::tool::{Body, Instant, Rates, State};
 use spatial::kinematics::Axes;
 use spatial::ports::{Command, Truth};
-use spatial::{Deflection, Motion, MotionSegment, Pose, TICK_S};
+use spatial::{Deflection, Motion, Pose, TICK_S};
 use std::f64::consts::TAU;
 
 /// Steps of the whole's integration per tick: 10 us each.
@@ -128,7 +128,7 @@ impl Whole {
             };
             let rates = |(link, tool): &(Motion, State)| {
                 let force = self.sensor_force(link, tool);
-                let rates = self.body.rates(tool, link, &self.contacts, &self.base());
+                let rates = self.body.rates(tool, &self.instant(link), &self.contacts);
                 (link.velocity.z, self.acceleration(torque, force), rates)
             };
             let k1 = rates(&(link, tool));
@@ -151,7 +151,6 @@ impl Whole {
     /// of holding): 7 % at 1 ms against the sensor's 3 %.
     fn advance_with_held_force<const HELD: usize>(&mut self, tick: i64, command: Option<&Command>) {
         let torque = self.torque(tick, command);
-        let still = MotionSegment::new(self.link, self.link, TICK_S);
         for exchange in 0..STEPS / HELD {
             let force = self.sensor_force(&self.link, &self.tool);
             let acceleration = self.acceleration(torque, force);
@@ -160,12 +159,8 @@ impl Whole {
             alone.suspension.damping_ns_per_m = 0.0;
             alone.weight.z += force;
             for i in 0..HELD {
-                let around = Surroundings {
-                    link: &still,
-                    start_s: 0.0,
-                    contacts: &self.contacts,
-                };
-                self.tool = alone.integrate(&self.tool, &around, 0.0, STEP_S).0;
+                let now = self.instant(&self.link);
+                self.tool = alone.integrate(&self.tool, [&now; 3], &self.contacts, STEP_S).0;
                 self.remember(tick, exchange * HELD + i);
             }
             let time = HELD as f64 * STEP_S;
@@ -177,6 +172,13 @@ impl Whole {
     /// The object, which is at rest.
     fn base(&self) -> Base {
         self.contacts.object().base(0.0)
+    }
+
+    fn instant(&self, link: &Motion) -> Instant {
+        Instant {
+            link: *link,
+            base: self.base(),
+        }
     }
 
     fn remember(&mut self, tick: i64, step: usize) {
@@ -197,7 +199,7 @@ impl Whole {
             tcp_deflection: Deflection::from_pose(&((self.link.pose * s_from_t).inverse() * tcp_pose)),
             contact_force: self
                 .contacts
-                .load(&self.tool, self.tool.rotation, &self.base())
+                .load(&self.tool, &self.tool.rotation.to_rotation_matrix(), &self.base())
                 .force,
             first_contact_time_s: self.first_contact_s,
             ..*template

@@ -5,6 +5,8 @@ mod convergence;
 mod elastic;
 mod faults;
 mod modes;
+mod reaction;
+mod step;
 
 use super::*;
 use nalgebra::Vector3;

@@ -17,6 +17,17 @@ pub struct Contact {
     deepest_m: f64,
 }
 
+/// A piece of the contact's law in which its force is a smooth function of the indentation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Piece {
+    /// No force.
+    Off,
+    /// The stiffer line on the way out and back in.
+    Rebound,
+    /// Deeper than ever before: a kink as soon as the motion turns.
+    Loading,
+}
+
 impl Contact {
     /// An untouched surface, of whose stiffness this contact has the `share` (1: all).
     pub fn new(object: &scenario::Object, share: f64) -> Self {
@@ -43,6 +54,18 @@ impl Contact {
             0.0
         } else {
             self.rebound_n_per_m * self.power(above)
+        }
+    }
+
+    /// The piece of the law that holds at indentation `h` (m), and how far, m, it is to a kink between two pieces.
+    pub fn piece(&self, h: f64) -> (Piece, f64) {
+        let remaining = self.remaining_m();
+        if h <= remaining {
+            (Piece::Off, remaining - h)
+        } else if h < self.deepest_m {
+            (Piece::Rebound, (h - remaining).min(self.deepest_m - h))
+        } else {
+            (Piece::Loading, 0.0)
         }
     }
 

@@ -1,12 +1,11 @@
 //! Where the tool touches the object: the points that may, each with its contact and its memory.
 
-use crate::contact::Contact;
+use crate::contact::{Contact, Piece};
 use crate::object::{Base, Object};
 use crate::tool::State;
-use nalgebra::Vector3;
+use nalgebra::{Rotation3, Vector3};
 use node::scenario::{self, ToolShape};
 use std::f64::consts::TAU;
-use std::ops::Mul;
 
 /// Points on each ring of a peg.
 const RING: usize = 8;
@@ -86,18 +85,15 @@ impl Contacts {
     }
 
     /// The load on the tool in `state`, whose orientation is `r_from_s1`; memories stay as they are.
-    pub fn load<R>(&self, state: &State, r_from_s1: R, base: &Base) -> Load
-    where
-        R: Mul<Vector3<f64>, Output = Vector3<f64>> + Copy,
-    {
+    pub fn load(&self, state: &State, r_from_s1: &Rotation3<f64>, base: &Base) -> Load {
         let mut load = Load::default();
         for Point { offset, contact } in &self.points {
-            let lever = r_from_s1 * *offset;
+            let lever = r_from_s1 * offset;
             let (h, normal) = self.object.probe(base, &state.surface, &state.position, &lever);
             let pressure = contact.force(h);
             if pressure > 0.0 {
                 let velocity = state.velocity + state.angular_velocity.cross(&lever);
-                let surface = base.velocity - self.object.normal() * state.surface.rate;
+                let surface = self.surface_velocity(state, base);
                 let force =
                     normal * pressure + self.object.friction(pressure, &normal, &(velocity - surface));
                 load.force += force;
@@ -110,37 +106,61 @@ impl Contacts {
 
     /// The deepest point of the tool in `state`.
     pub fn deepest(&self, state: &State, base: &Base) -> Deepest {
+        let r_from_s1 = state.rotation.to_rotation_matrix();
         let mut deepest = Deepest {
             indentation_m: f64::NEG_INFINITY,
             remaining_m: 0.0,
         };
-        for point in &self.points {
-            let h = self.indentation(point, state, base);
+        for Point { offset, contact } in &self.points {
+            let lever = r_from_s1 * offset;
+            let (h, _) = self.object.probe(base, &state.surface, &state.position, &lever);
             if h > deepest.indentation_m {
                 deepest = Deepest {
                     indentation_m: h,
-                    remaining_m: point.contact.remaining_m(),
+                    remaining_m: contact.remaining_m(),
                 };
             }
         }
         deepest
     }
 
-    /// Remember the indentations reached at the end of an integration step.
-    pub fn remember(&mut self, state: &State, base: &Base) {
-        for i in 0..self.points.len() {
-            let h = self.indentation(&self.points[i], state, base);
-            self.points[i].contact.remember(h);
+    /// Remember the indentations reached at the end of an integration step; returns the deepest one, m.
+    pub fn remember(&mut self, state: &State, base: &Base) -> f64 {
+        let r_from_s1 = state.rotation.to_rotation_matrix();
+        let mut deepest = f64::NEG_INFINITY;
+        for Point { offset, contact } in &mut self.points {
+            let lever = r_from_s1 * *offset;
+            let (h, _) = self.object.probe(base, &state.surface, &state.position, &lever);
+            contact.remember(h);
+            deepest = deepest.max(h);
         }
+        deepest
+    }
+
+    /// Whether the contact was smooth while the tool went from `start` to `end` within `time` s: no point met a kink
+    /// of its law, nor was about to.
+    pub fn stayed_smooth(&self, start: (&State, &Base), end: (&State, &Base), time: f64) -> bool {
+        let rotations = [start.0, end.0].map(|state| state.rotation.to_rotation_matrix());
+        self.points.iter().all(|Point { offset, contact }| {
+            let [(h, rate), (h_end, _)] =
+                [(start, rotations[0]), (end, rotations[1])].map(|((state, base), r)| {
+                    let lever = r * offset;
+                    let (h, normal) = self.object.probe(base, &state.surface, &state.position, &lever);
+                    let velocity = state.velocity + state.angular_velocity.cross(&lever);
+                    (h, normal.dot(&(velocity - self.surface_velocity(state, base))))
+                });
+            let (piece, room) = contact.piece(h);
+            let allowed = piece == Piece::Off || (piece == Piece::Rebound && self.object.is_linear());
+            allowed && room > rate.abs() * time && contact.piece(h_end).0 == piece
+        })
+    }
+
+    fn surface_velocity(&self, state: &State, base: &Base) -> Vector3<f64> {
+        base.velocity - self.object.normal() * state.surface.rate
     }
 
     /// Height of the object's origin in r, m, where its surface has yielded to.
     pub fn height_m(&self, state: &State, base: &Base) -> f64 {
         base.position.z - self.object.normal().z * state.surface.depth
-    }
-
-    fn indentation(&self, point: &Point, state: &State, base: &Base) -> f64 {
-        let lever = state.rotation * point.offset;
-        self.object.probe(base, &state.surface, &state.position, &lever).0
     }
 }

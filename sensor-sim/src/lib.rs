@@ -14,10 +14,10 @@ use contacts::Contacts;
 use nalgebra::Vector3;
 use node::scenario::Scenario;
 use object::Base;
-use signal::{Reading, SignalChain};
+use signal::{Reading, SignalChain, Weights};
 use spatial::ports::{Authenticity, ClockEcho, Deflections, LinkMotion, Role, Stamp, ToolMotion, Truth};
 use spatial::{Deflection, Motion, MotionSegment, Pose, TICK_S, Wrench};
-use tool::{Body, State, Surroundings, Work};
+use tool::{Body, Instant, State, Work};
 
 /// What one tick brings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,11 +37,16 @@ pub struct SensorSim {
     body: Body,
     contacts: Contacts,
     s_from_t: Pose,
-    step_s: f64,
-    steps_per_tick: usize,
+    /// A tick's steps while the contact is smooth.
+    smooth: Steps,
+    /// Those that take the place of one of them around kinks.
+    kinked: Steps,
     state: State,
-    link: Motion,
+    now: Instant,
+    /// Of the deepest point, m; negative: distance.
+    indentation_m: f64,
     chain: SignalChain,
+    wrench_measured: bool,
     work: Work,
     contact_force_peak_n: f64,
     first_contact: Option<FirstContact>,
@@ -56,20 +61,27 @@ struct FirstContact {
 impl SensorSim {
     /// The tool hanging at rest, in balance, on a link that is at rest as `link` says at tick 0.
     pub fn new(scenario: &Scenario, link: &Motion) -> Self {
-        let body = Body::new(&scenario.tool, &scenario.sensor);
+        let (tool, sensor) = (&scenario.tool, &scenario.sensor);
+        let body = Body::new(tool, sensor);
         let state = body.hanging(&link.pose);
-        let steps = libm::rint(TICK_S / scenario.sensor.integration_step_s).max(1.0);
+        let contacts = Contacts::new(tool, &scenario.object);
+        let base = contacts.object().base(0.0);
         let seed = scenario.timing.seed;
+        let reading = reading(&body, &state, link, sensor.wrench_measured);
+        let chain = SignalChain::new(sensor, seed, &reading);
+        let smooth = Steps::new(TICK_S, sensor.smooth_step_s, &chain);
         Self {
             seed,
-            body,
-            contacts: Contacts::new(&scenario.tool, &scenario.object),
-            s_from_t: spatial::pose(scenario.tool.tcp_in_s_m.into(), Vector3::zeros()),
-            step_s: TICK_S / steps,
-            steps_per_tick: steps as usize,
+            s_from_t: spatial::pose(tool.tcp_in_s_m.into(), Vector3::zeros()),
+            smooth,
+            kinked: Steps::new(smooth.step_s, sensor.integration_step_s, &chain),
             state,
-            link: *link,
-            chain: SignalChain::new(&scenario.sensor, seed, &reading(&body, &state, link)),
+            now: Instant { link: *link, base },
+            indentation_m: contacts.deepest(&state, &base).indentation_m,
+            body,
+            contacts,
+            chain,
+            wrench_measured: sensor.wrench_measured,
             work: Work::default(),
             contact_force_peak_n: 0.0,
             first_contact: None,
@@ -85,64 +97,87 @@ impl SensorSim {
         if tick > 0 {
             self.integrate(tick - 1, &link.motion);
         }
-        self.link = link.motion;
+        self.now = Instant {
+            link: link.motion,
+            base: self.contacts.object().base(tick as f64 * TICK_S),
+        };
         self.outputs(tick)
     }
 
+    /// While the contact is smooth, free or pressing, time goes in long steps; a long step that has met a kink of
+    /// the contact's law is taken back and done in short ones.
     fn integrate(&mut self, start_tick: i64, end: &Motion) {
         let start_s = start_tick as f64 * TICK_S;
-        let segment = MotionSegment::new(self.link, *end, TICK_S);
-        let mut before = reading(&self.body, &self.state, &self.link);
-        let mut h_before = self
-            .contacts
-            .deepest(&self.state, &self.base(start_s))
-            .indentation_m;
-        for i in 0..self.steps_per_tick {
-            let time = i as f64 * self.step_s;
-            let around = Surroundings {
-                link: &segment,
-                start_s,
-                contacts: &self.contacts,
-            };
-            let (state, work) = self.body.integrate(&self.state, &around, time, self.step_s);
-            self.state = state;
-            self.work.by_link += work.by_link;
-            self.work.dissipated += work.dissipated;
-            self.work.on_object += work.on_object;
-
-            let base = self.base(start_s + time + self.step_s);
-            let h = self.contacts.deepest(&self.state, &base).indentation_m;
-            if h > 0.0 {
-                if self.first_contact.is_none() {
-                    let inside = self.step_s * (-h_before / (h - h_before));
-                    self.first_contact = Some(FirstContact {
-                        time_s: start_s + time + inside,
-                        speed_m_per_s: (h - h_before) / self.step_s,
-                    });
+        let segment = MotionSegment::new(self.now.link, *end, TICK_S);
+        for i in 0..self.smooth.count {
+            let time = i as f64 * self.smooth.step_s;
+            if !self.step(&segment, start_s, time, self.smooth, true) {
+                for j in 0..self.kinked.count {
+                    let time = time + j as f64 * self.kinked.step_s;
+                    self.step(&segment, start_s, time, self.kinked, false);
                 }
-                let force = self.contacts.load(&self.state, self.state.rotation, &base).force;
-                self.contact_force_peak_n = self.contact_force_peak_n.max(force.norm());
             }
-            self.contacts.remember(&self.state, &base);
-            h_before = h;
-
-            let now = reading(&self.body, &self.state, &segment.at(time + self.step_s));
-            self.chain.follow(&before, &now, self.step_s);
-            before = now;
         }
     }
 
-    /// Where the object is at `time`, s after the start.
-    fn base(&self, time: f64) -> Base {
-        self.contacts.object().base(time)
+    /// One step from `time` s after the segment's start, unless it must stay smooth and does not.
+    fn step(
+        &mut self,
+        segment: &MotionSegment,
+        start_s: f64,
+        time: f64,
+        steps: Steps,
+        must_stay_smooth: bool,
+    ) -> bool {
+        let at = |time: f64| Instant {
+            link: segment.at(time),
+            base: self.contacts.object().base(start_s + time),
+        };
+        let (middle, end) = (at(time + 0.5 * steps.step_s), at(time + steps.step_s));
+        let instants = [&self.now, &middle, &end];
+        let (state, work) = self
+            .body
+            .integrate(&self.state, instants, &self.contacts, steps.step_s);
+        let before = (&self.state, &self.now.base);
+        if must_stay_smooth
+            && !self
+                .contacts
+                .stayed_smooth(before, (&state, &end.base), steps.step_s)
+        {
+            return false;
+        }
+        self.state = state;
+        self.now = end;
+        self.work.add(&work);
+        self.observe(start_s + time, steps);
+        true
+    }
+
+    /// After a step that began at `start_s`: contact, its memory and the low pass.
+    fn observe(&mut self, start_s: f64, steps: Steps) {
+        let Instant { link, base } = self.now;
+        let before = self.indentation_m;
+        let h = self.contacts.remember(&self.state, &base);
+        self.indentation_m = h;
+        if h > 0.0 {
+            self.contact_force_peak_n = self.contact_force_peak_n.max(self.contact_force(&base).norm());
+            self.first_contact.get_or_insert_with(|| FirstContact {
+                time_s: start_s + steps.step_s * (-before / (h - before)),
+                speed_m_per_s: (h - before) / steps.step_s,
+            });
+        }
+        let reading = reading(&self.body, &self.state, &link, self.wrench_measured);
+        self.chain.follow(&reading, &steps.weights);
+    }
+
+    fn contact_force(&self, base: &Base) -> Vector3<f64> {
+        let rotation = self.state.rotation.to_rotation_matrix();
+        self.contacts.load(&self.state, &rotation, base).force
     }
 
     fn outputs(&mut self, tick: i64) -> Outputs {
         let stamp = Stamp::lockstep(tick, self.seed, Role::Sensor);
-        let base = self.base(tick as f64 * TICK_S);
-        let motion = self
-            .body
-            .plate_motion(&self.state, &self.link, &self.contacts, &base);
+        let motion = self.body.plate_motion(&self.state, &self.now, &self.contacts);
         let samples = self.chain.sample(tick);
         Outputs {
             tool_motion: ToolMotion { stamp, motion },
@@ -155,20 +190,21 @@ impl SensorSim {
                 echo: ClockEcho::default(),
                 authenticity: Authenticity::default(),
             },
-            truth: self.truth(stamp, &base),
+            truth: self.truth(stamp),
         }
     }
 
-    fn truth(&self, stamp: Stamp, base: &Base) -> Truth {
+    fn truth(&self, stamp: Stamp) -> Truth {
+        let Instant { link, base } = &self.now;
         let (tcp_pose, tcp_velocity) = self.body.tcp_motion(&self.state);
         let deepest = self.contacts.deepest(&self.state, base);
-        let r_from_ta = self.link.pose * self.s_from_t;
+        let r_from_ta = link.pose * self.s_from_t;
         Truth {
             stamp,
             tcp_pose,
             tcp_velocity,
             tcp_deflection: Deflection::from_pose(&(r_from_ta.inverse() * tcp_pose)),
-            contact_force: self.contacts.load(&self.state, self.state.rotation, base).force,
+            contact_force: self.contact_force(base),
             contact_force_peak_n: self.contact_force_peak_n,
             indentation_m: deepest.indentation_m,
             remaining_indentation_m: deepest.remaining_m,
@@ -177,10 +213,7 @@ impl SensorSim {
             first_contact_time_s: self.first_contact.map_or(-1.0, |c| c.time_s),
             kinetic_energy_j: self.body.kinetic_energy(&self.state),
             gravity_energy_j: self.body.gravity_energy(&self.state),
-            elastic_energy_j: self
-                .body
-                .suspension
-                .energy(&self.link, &self.body.plate(&self.state)),
+            elastic_energy_j: self.body.suspension.energy(link, &self.body.plate(&self.state)),
             link_work_j: self.work.by_link,
             dissipated_energy_j: self.work.dissipated,
             contact_work_j: self.work.on_object,
@@ -188,19 +221,44 @@ impl SensorSim {
     }
 }
 
-/// What the sensor feels before its signal chain: the deflection s -> s' and the wrench on it at s, both in s.
-fn reading(body: &Body, state: &State, link: &Motion) -> Reading {
+/// An interval in steps of equal length.
+#[derive(Clone, Copy, Debug)]
+struct Steps {
+    step_s: f64,
+    count: usize,
+    weights: Weights,
+}
+
+impl Steps {
+    /// The `interval` (s) in steps of about `step_s`.
+    fn new(interval: f64, step_s: f64, chain: &SignalChain) -> Self {
+        let count = libm::rint(interval / step_s).max(1.0);
+        let step_s = interval / count;
+        Self {
+            step_s,
+            count: count as usize,
+            weights: chain.weights(step_s),
+        }
+    }
+}
+
+/// What the sensor feels before its signal chain: the deflection s -> s', and the wrench on it at s if `with_wrench`,
+/// both in s.
+fn reading(body: &Body, state: &State, link: &Motion, with_wrench: bool) -> Reading {
     let plate = body.plate(state);
-    let deflection = Deflection::from_pose(&(link.pose.inverse() * plate.pose));
-    // What the suspension exerts on the tool, the tool exerts on the sensor, the other way round.
-    let on_tool = body.suspension.wrench_on_tool(link, &plate);
-    let arm = plate.pose.translation.vector - link.pose.translation.vector;
-    let into_s = link.pose.rotation.inverse();
-    Reading {
-        deflection,
-        wrench: Wrench {
+    let mut reading = Reading {
+        deflection: Deflection::from_pose(&(link.pose.inverse() * plate.pose)),
+        wrench: Wrench::default(),
+    };
+    if with_wrench {
+        // What the suspension exerts on the tool, the tool exerts on the sensor, the other way round.
+        let on_tool = body.suspension.wrench_on_tool(link, &plate);
+        let arm = plate.pose.translation.vector - link.pose.translation.vector;
+        let into_s = link.pose.rotation.inverse();
+        reading.wrench = Wrench {
             force: into_s * -on_tool.force,
             moment: into_s * -(on_tool.moment + arm.cross(&on_tool.force)),
-        },
+        };
     }
+    reading
 }

@@ -20,6 +20,7 @@ pub struct Object {
     friction: f64,
     friction_speed: f64,
     support: Option<Support>,
+    linear: bool,
 }
 
 /// An elastic support: the surface is a mass on a spring and a damper along its normal.
@@ -56,12 +57,18 @@ impl Object {
                 stiffness: object.support_n_per_m,
                 damping: object.support_ns_per_m,
             }),
+            linear: object.exponent == 1.0 && object.friction == 0.0 && object.hole_radius_m == 0.0,
         }
     }
 
     /// Where the object is at `time`, s after the start, its surface unloaded.
     pub fn base(&self, time: f64) -> Base {
         self.movement.at(time)
+    }
+
+    /// Whether a contact that rebounds is no more than another linear spring.
+    pub fn is_linear(&self) -> bool {
+        self.linear
     }
 
     /// The surface's outward normal in r: the object's z axis.

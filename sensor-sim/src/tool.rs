@@ -2,18 +2,20 @@
 
 use crate::contacts::Contacts;
 use crate::object::{Base, Yielding};
-use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use node::scenario;
-use spatial::{GRAVITY_M_PER_S2, Motion, MotionSegment, Pose, ToolSuspension, Wrench, rotation};
+use spatial::{GRAVITY_M_PER_S2, Motion, Pose, ToolSuspension, Wrench, rotation};
 
 /// What the tool is made of and hangs on. Vectors in s', the sensor frame on the tool plate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
     /// M, kg.
     pub mass: f64,
-    /// Inertia about the centre of mass, kg m^2.
-    pub inertia: Matrix3<f64>,
-    inertia_inverse: Matrix3<f64>,
+    /// Principal moments of inertia about the centre of mass, along the axes of s', kg m^2.
+    pub inertia: Vector3<f64>,
+    /// Their inverses, and that of the mass: a division takes as long as ten products.
+    inertia_inverse: Vector3<f64>,
+    mass_inverse: f64,
     /// c, from the origin of s' to the centre of mass, m.
     pub centre_of_mass: Vector3<f64>,
     /// d, from the origin of s' to the tcp, m.
@@ -51,15 +53,13 @@ pub struct Work {
     pub on_object: f64,
 }
 
-/// What acts on the tool while it is integrated.
-#[derive(Clone, Copy, Debug)]
-pub struct Surroundings<'a> {
-    /// The link's motion.
-    pub link: &'a MotionSegment,
-    /// When its segment begins, s after the start.
-    pub start_s: f64,
-    /// Where the tool may touch the object; memories stay frozen.
-    pub contacts: &'a Contacts,
+/// What moves as it does whatever the tool does, at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instant {
+    /// The link.
+    pub link: Motion,
+    /// The object.
+    pub base: Base,
 }
 
 /// The time derivative of a [`State`] and of the [`Work`].
@@ -77,11 +77,11 @@ pub struct Rates {
 impl Body {
     /// The tool and sensor of a scenario.
     pub fn new(tool: &scenario::Tool, sensor: &scenario::Sensor) -> Self {
-        let diagonal = Vector3::from(tool.inertia_kg_m2);
         Self {
             mass: tool.mass_kg,
-            inertia: Matrix3::from_diagonal(&diagonal),
-            inertia_inverse: Matrix3::from_diagonal(&diagonal.map(|i| 1.0 / i)),
+            inertia: tool.inertia_kg_m2.into(),
+            inertia_inverse: Vector3::from(tool.inertia_kg_m2).map(|i| 1.0 / i),
+            mass_inverse: 1.0 / tool.mass_kg,
             centre_of_mass: tool.centre_of_mass_in_s_m.into(),
             tcp: tool.tcp_in_s_m.into(),
             suspension: sensor.suspension(),
@@ -114,19 +114,23 @@ impl Body {
 
     /// Motion of s' without its accelerations.
     pub fn plate(&self, state: &State) -> Motion {
-        let lever = -(state.rotation * self.centre_of_mass);
+        self.plate_behind(state, &-(state.rotation * self.centre_of_mass))
+    }
+
+    /// The same, with the `lever` from the centre of mass to s' in r.
+    fn plate_behind(&self, state: &State, lever: &Vector3<f64>) -> Motion {
         Motion {
             pose: Pose::from_parts((state.position + lever).into(), state.rotation),
-            velocity: state.velocity + state.angular_velocity.cross(&lever),
+            velocity: state.velocity + state.angular_velocity.cross(lever),
             angular_velocity: state.angular_velocity,
             acceleration: Vector3::zeros(),
             angular_acceleration: Vector3::zeros(),
         }
     }
 
-    /// Motion of s' with its accelerations, for a link that moves like `link` and an object at `base`.
-    pub fn plate_motion(&self, state: &State, link: &Motion, contacts: &Contacts, base: &Base) -> Motion {
-        let rates = self.rates(state, link, contacts, base);
+    /// Motion of s' with its accelerations.
+    pub fn plate_motion(&self, state: &State, now: &Instant, contacts: &Contacts) -> Motion {
+        let rates = self.rates(state, now, contacts);
         let lever = -(state.rotation * self.centre_of_mass);
         let w = state.angular_velocity;
         Motion {
@@ -148,7 +152,7 @@ impl Body {
     /// Kinetic energy, J.
     pub fn kinetic_energy(&self, state: &State) -> f64 {
         let w = state.rotation.inverse() * state.angular_velocity;
-        0.5 * (self.mass * state.velocity.norm_squared() + w.dot(&(self.inertia * w)))
+        0.5 * (self.mass * state.velocity.norm_squared() + w.dot(&self.inertia.component_mul(&w)))
     }
 
     /// Potential energy in gravity, J; zero with the centre of mass at z = 0.
@@ -156,55 +160,44 @@ impl Body {
         -self.weight.dot(&state.position)
     }
 
-    /// One step of the classical Runge-Kutta method of fourth order, from `time` to `time + step` (s) of the
-    /// link's segment; the contacts' memory stays frozen inside.
-    pub fn integrate(&self, state: &State, around: &Surroundings, time: f64, step: f64) -> (State, Work) {
+    /// One step of the classical Runge-Kutta method of fourth order over `step` s, with what moves by itself at the
+    /// step's start, middle and end; the contacts' memory stays frozen inside.
+    pub fn integrate(
+        &self,
+        state: &State,
+        [start, middle, end]: [&Instant; 3],
+        contacts: &Contacts,
+        step: f64,
+    ) -> (State, Work) {
         let half = 0.5 * step;
-        let at = |time: f64| {
-            (
-                around.link.at(time),
-                around.contacts.object().base(around.start_s + time),
-            )
-        };
-        let middle = at(time + half);
-        let rates =
-            |state: &State, (link, base): &(Motion, Base)| self.rates(state, link, around.contacts, base);
-        let k1 = rates(state, &at(time));
-        let k2 = rates(&state.advanced(&k1, half), &middle);
-        let k3 = rates(&state.advanced(&k2, half), &middle);
-        let k4 = rates(&state.advanced(&k3, step), &at(time + step));
+        let k1 = self.rates(state, start, contacts);
+        let k2 = self.rates(&state.advanced(&k1, half), middle, contacts);
+        let k3 = self.rates(&state.advanced(&k2, half), middle, contacts);
+        let k4 = self.rates(&state.advanced(&k3, step), end, contacts);
         let rates = Rates::mean(&k1, &k2, &k3, &k4);
-        let sum = |f: fn(&Work) -> f64| {
-            step / 6.0 * (f(&k1.work) + 2.0 * (f(&k2.work) + f(&k3.work)) + f(&k4.work))
-        };
-        let work = Work {
-            by_link: sum(|w| w.by_link),
-            dissipated: sum(|w| w.dissipated),
-            on_object: sum(|w| w.on_object),
-        };
-        (state.advanced(&rates, step), work)
+        (state.advanced(&rates, step), rates.work.over(step))
     }
 
-    /// The equations of motion (PLANT.md section 1) for a link that moves like `link` and an object at `base`.
-    pub fn rates(&self, state: &State, link: &Motion, contacts: &Contacts, base: &Base) -> Rates {
+    /// The equations of motion (PLANT.md section 1).
+    pub fn rates(&self, state: &State, now: &Instant, contacts: &Contacts) -> Rates {
+        let Instant { link, base } = now;
         let rotation = state.rotation.to_rotation_matrix();
         let com = rotation * self.centre_of_mass;
-        let plate = self.plate(state);
+        let plate = self.plate_behind(state, &-com);
         let Wrench { force, moment } = self.suspension.wrench_on_tool(link, &plate);
-        let contact = contacts.load(state, rotation, base);
+        let contact = contacts.load(state, &rotation, base);
 
         let w = state.angular_velocity;
-        let torque = moment - com.cross(&force) + contact.moment;
-        let w_body = rotation.inverse() * w;
-        let gyroscopic = w_body.cross(&(self.inertia * w_body));
+        let torque = rotation.inverse_transform_vector(&(moment - com.cross(&force) + contact.moment));
+        let w_body = rotation.inverse_transform_vector(&w);
+        let gyroscopic = w_body.cross(&self.inertia.component_mul(&w_body));
         let arm = plate.pose.translation.vector - link.pose.translation.vector;
         Rates {
             velocity: state.velocity,
-            acceleration: (force + contact.force + self.weight) / self.mass,
+            acceleration: (force + contact.force + self.weight) * self.mass_inverse,
             // q' = (0, w) q / 2 for w in r.
             quaternion: Quaternion::from_imag(w * 0.5) * state.rotation.into_inner(),
-            angular_acceleration: rotation
-                * (self.inertia_inverse * (rotation.inverse() * torque - gyroscopic)),
+            angular_acceleration: rotation * (torque - gyroscopic).component_mul(&self.inertia_inverse),
             surface: contacts.object().yielding_rates(&state.surface, &contact.force),
             work: Work {
                 by_link: force.dot(&link.velocity) + (moment + arm.cross(&force)).dot(&link.angular_velocity),
@@ -216,31 +209,55 @@ impl Body {
 }
 
 impl Rates {
-    /// The mean over a step of the classical Runge-Kutta method, `(k1 + 2 (k2 + k3) + k4) / 6`, without powers.
+    /// The mean over a step of the classical Runge-Kutta method, `(k1 + 2 (k2 + k3) + k4) / 6`.
     pub fn mean(k1: &Self, k2: &Self, k3: &Self, k4: &Self) -> Self {
-        let mean = |f: fn(&Rates) -> Vector3<f64>| (f(k1) + (f(k2) + f(k3)) * 2.0 + f(k4)) / 6.0;
-        let scalar = |f: fn(&Rates) -> f64| (f(k1) + (f(k2) + f(k3)) * 2.0 + f(k4)) / 6.0;
+        const SIXTH: f64 = 1.0 / 6.0;
+        let mean = |f: fn(&Rates) -> Vector3<f64>| (f(k1) + (f(k2) + f(k3)) * 2.0 + f(k4)) * SIXTH;
+        let scalar = |f: fn(&Rates) -> f64| (f(k1) + (f(k2) + f(k3)) * 2.0 + f(k4)) * SIXTH;
         Self {
             velocity: mean(|k| k.velocity),
             acceleration: mean(|k| k.acceleration),
-            quaternion: (k1.quaternion + (k2.quaternion + k3.quaternion) * 2.0 + k4.quaternion) / 6.0,
+            quaternion: (k1.quaternion + (k2.quaternion + k3.quaternion) * 2.0 + k4.quaternion) * SIXTH,
             angular_acceleration: mean(|k| k.angular_acceleration),
             surface: Yielding {
                 depth: scalar(|k| k.surface.depth),
                 rate: scalar(|k| k.surface.rate),
             },
-            work: Work::default(),
+            work: Work {
+                by_link: scalar(|k| k.work.by_link),
+                dissipated: scalar(|k| k.work.dissipated),
+                on_object: scalar(|k| k.work.on_object),
+            },
         }
+    }
+}
+
+impl Work {
+    /// What these powers, W, do in `time` s.
+    fn over(&self, time: f64) -> Self {
+        Self {
+            by_link: self.by_link * time,
+            dissipated: self.dissipated * time,
+            on_object: self.on_object * time,
+        }
+    }
+
+    /// Adds what has crossed the borders since.
+    pub fn add(&mut self, more: &Self) {
+        self.by_link += more.by_link;
+        self.dissipated += more.dissipated;
+        self.on_object += more.on_object;
     }
 }
 
 impl State {
     /// The state after `time` s at constant `rates`.
     pub fn advanced(&self, rates: &Rates, time: f64) -> Self {
+        let turned = self.rotation.into_inner() + rates.quaternion * time;
         Self {
             position: self.position + rates.velocity * time,
             velocity: self.velocity + rates.acceleration * time,
-            rotation: UnitQuaternion::new_normalize(self.rotation.into_inner() + rates.quaternion * time),
+            rotation: UnitQuaternion::new_unchecked(turned * (1.0 / turned.norm())),
             angular_velocity: self.angular_velocity + rates.angular_acceleration * time,
             surface: Yielding {
                 depth: self.surface.depth + rates.surface.depth * time,

@@ -95,16 +95,15 @@ impl MotionSegment {
         let s = time / self.duration;
         let (shift, velocity, acceleration) = evaluate(&self.shift, s, self.duration);
         let (turn, rate, rate_change) = evaluate(&self.turn, s, self.duration);
-        let jacobian = rotation::left_jacobian(turn);
         Motion {
             pose: Pose::from_parts(
                 (self.start.pose.translation.vector + shift).into(),
                 rotation::exp(turn) * self.start.pose.rotation,
             ),
             velocity,
-            angular_velocity: jacobian * rate,
+            angular_velocity: rotation::angular_velocity(turn, rate),
             acceleration,
-            angular_acceleration: jacobian * rate_change,
+            angular_acceleration: rotation::angular_velocity(turn, rate_change),
         }
     }
 }

@@ -2,13 +2,26 @@
 
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
+/// Square of an angle (rad) up to which a few terms of a Taylor series are exact to within rounding: within a tick
+/// and within the sensor's range all rotations are that small, and the series take a tenth of the time.
+const SMALL: f64 = 2e-3;
+
 /// The rotation by |v| about v (rad): Exp of SO(3), `(cos |v|/2, sin(|v|/2) v/|v|)`.
 pub fn exp(v: Vector3<f64>) -> UnitQuaternion<f64> {
-    let half = 0.5 * v.norm();
-    let (sine, cosine) = libm::sincos(half);
-    // Below 1e-8 the sine is its argument to within rounding.
-    let factor = if half < 1e-8 { 0.5 } else { 0.5 * sine / half };
-    UnitQuaternion::new_unchecked(Quaternion::from_parts(cosine, v * factor))
+    let square = 0.25 * v.norm_squared();
+    let (cosine, sine_ratio) = if square < SMALL {
+        (
+            1.0 - square
+                * (1.0 / 2.0 - square * (1.0 / 24.0 - square * (1.0 / 720.0 - square * (1.0 / 40320.0)))),
+            1.0 - square
+                * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0 - square * (1.0 / 362880.0)))),
+        )
+    } else {
+        let half = square.sqrt();
+        let (sine, cosine) = libm::sincos(half);
+        (cosine, sine / half)
+    };
+    UnitQuaternion::new_unchecked(Quaternion::from_parts(cosine, v * (0.5 * sine_ratio)))
 }
 
 /// The rotation vector (rad, |v| <= pi) of a rotation: Log of SO(3).
@@ -18,12 +31,16 @@ pub fn log(rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
     let q = rotation.quaternion();
     let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
     let vector = q.imag() * sign;
-    let sine = vector.norm();
-    if sine < 1e-12 {
-        // atan2(x, c) = x / c to within x^2 / 3, below rounding here.
-        return vector * (2.0 / (q.w * sign));
+    let cosine = q.w * sign;
+    let square = vector.norm_squared();
+    if square < SMALL * cosine * cosine {
+        // atan(x)/x with x = |q_v|/|q_w|.
+        let t = square / (cosine * cosine);
+        let ratio = 1.0 - t * (1.0 / 3.0 - t * (0.2 - t * (1.0 / 7.0 - t * (1.0 / 9.0 - t * (1.0 / 11.0)))));
+        return vector * (2.0 * ratio / cosine);
     }
-    vector * (2.0 * libm::atan2(sine, q.w * sign) / sine)
+    let sine = square.sqrt();
+    vector * (2.0 * libm::atan2(sine, cosine) / sine)
 }
 
 /// The matrix of the cross product, `skew(a) b = a x b`.
@@ -36,9 +53,22 @@ pub fn skew(a: Vector3<f64>) -> Matrix3<f64> {
 /// `J = I + (1 - cos a)/a^2 [v] + (a - sin a)/a^3 [v]^2` with `a = |v|`
 /// (e.g. Barfoot, State Estimation for Robotics, eq. 7.77).
 pub fn left_jacobian(v: Vector3<f64>) -> Matrix3<f64> {
-    let square = v.norm_squared();
+    let (first, second) = left_jacobian_factors(v);
     let k = skew(v);
-    let (first, second) = if square < 1e-4 {
+    Matrix3::identity() + k * first + k * k * second
+}
+
+/// The angular velocity of `Exp(v)` in the fixed frame while v changes at `rate`: `J(v) rate`.
+pub fn angular_velocity(v: Vector3<f64>, rate: Vector3<f64>) -> Vector3<f64> {
+    let (first, second) = left_jacobian_factors(v);
+    let across = v.cross(&rate);
+    rate + across * first + v.cross(&across) * second
+}
+
+/// The factors of [v] and [v]^2 in [`left_jacobian`].
+fn left_jacobian_factors(v: Vector3<f64>) -> (f64, f64) {
+    let square = v.norm_squared();
+    if square < 1e-4 {
         // Taylor series: the closed forms cancel here; the next terms are below 1e-16.
         (
             0.5 - square / 24.0 + square * square / 720.0,
@@ -48,8 +78,7 @@ pub fn left_jacobian(v: Vector3<f64>) -> Matrix3<f64> {
         let angle = square.sqrt();
         let (sine, cosine) = libm::sincos(angle);
         ((1.0 - cosine) / square, (angle - sine) / (square * angle))
-    };
-    Matrix3::identity() + k * first + k * k * second
+    }
 }
 
 /// The inverse of [`left_jacobian`], for |v| < 2 pi.
@@ -101,6 +130,7 @@ mod tests {
             let turn = exp(v + d * h) * exp(v - d * h).inverse();
             let numeric = log(&turn) / (2.0 * h);
             prop_assert!((left_jacobian(v) * d - numeric).norm() < 1e-8);
+            prop_assert!((left_jacobian(v) * d - angular_velocity(v, d)).norm() < 1e-14);
         }
 
         #[test]
@@ -113,6 +143,14 @@ mod tests {
 
     #[test]
     fn series_and_closed_form_meet() {
+        for factor in [0.999_999, 1.000_001] {
+            let v = Vector3::new(0.6, -0.48, 0.64) * (2.0 * SMALL.sqrt() * factor);
+            let q = exp(v);
+            let half = 0.5 * v.norm();
+            assert!((q.w - libm::cos(half)).abs() < 2e-16);
+            assert!((q.imag() - v * (libm::sin(half) / v.norm())).norm() < 2e-17);
+            assert!((log(&q) - v).norm() < 2e-17);
+        }
         let v = Vector3::new(0.006, -0.006, 0.005_291_5);
         let below = v * (0.999_999 * 0.01 / v.norm());
         let above = v * (1.000_001 * 0.01 / v.norm());

@@ -34,15 +34,14 @@ impl ToolSuspension {
     /// The wrench on the tool at s', in r, from the motions of the link's frame s and of the tool plate s1.
     ///
     /// With `p = R_s^T (p_s1 - p_s)`, `phi = Log(R_s^T R_s1)` and their rates seen in s:
-    /// `F = R_s (-K_p p - D_p pdot)`, `T = R_s (-K_phi phi - D_phi w_rel)` (PLANT.md section 1).
-    /// K_phi is isotropic, hence T is the exact gradient of `K_phi |phi|^2 / 2` and energy is conserved.
+    /// `F = R_s (-K_p p - D_p pdot)`, `T = R_s (-K_phi phi - D_phi w_rel)` (PLANT.md section 1). All four constants
+    /// are isotropic: everything is evaluated in r, without turning into s and back
+    /// (`R_s Log(R_s^T R_s1) = Log(R_s1 R_s^T)`), and T is the exact gradient of `K_phi |phi|^2 / 2`, so that energy
+    /// is conserved.
     pub fn wrench_on_tool(&self, link: &Motion, plate: &Motion) -> Wrench {
-        let into_s = link.pose.rotation.inverse();
-        let lever = plate.pose.translation.vector - link.pose.translation.vector;
-        let p = into_s * lever;
-        let p_rate = into_s * (plate.velocity - link.velocity - link.angular_velocity.cross(&lever));
-        let phi = rotation::log(&(into_s * plate.pose.rotation));
-        let w_rel = into_s * (plate.angular_velocity - link.angular_velocity);
+        let p = plate.pose.translation.vector - link.pose.translation.vector;
+        let phi = rotation::log(&(plate.pose.rotation * link.pose.rotation.inverse()));
+        let (p_rate, w_rel) = rates(link, plate, &p);
         let mut force = -self.stiffness_n_per_m * p - self.damping_ns_per_m * p_rate;
         let mut moment = -self.stiffness_nm_per_rad * phi - self.damping_nms_per_rad * w_rel;
         if p.norm_squared() > self.end_stop_m * self.end_stop_m {
@@ -51,10 +50,7 @@ impl ToolSuspension {
         if phi.norm_squared() > self.end_stop_rad * self.end_stop_rad {
             moment -= phi * (self.end_stop_nm_per_rad * (1.0 - self.end_stop_rad / phi.norm()));
         }
-        Wrench {
-            force: link.pose.rotation * force,
-            moment: link.pose.rotation * moment,
-        }
+        Wrench { force, moment }
     }
 
     /// The elastic energy stored, J.
@@ -73,10 +69,18 @@ impl ToolSuspension {
     /// The power that the dampers dissipate, W.
     pub fn dissipation(&self, link: &Motion, plate: &Motion) -> f64 {
         let lever = plate.pose.translation.vector - link.pose.translation.vector;
-        let p_rate = plate.velocity - link.velocity - link.angular_velocity.cross(&lever);
-        let w_rel = plate.angular_velocity - link.angular_velocity;
+        let (p_rate, w_rel) = rates(link, plate, &lever);
         self.damping_ns_per_m * p_rate.norm_squared() + self.damping_nms_per_rad * w_rel.norm_squared()
     }
+}
+
+/// Rate (m/s) of the `lever` (m) from link to plate as seen from the link, and the angular velocity (rad/s) between
+/// the two, in r.
+fn rates(link: &Motion, plate: &Motion, lever: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
+    (
+        plate.velocity - link.velocity - link.angular_velocity.cross(lever),
+        plate.angular_velocity - link.angular_velocity,
+    )
 }
 
 #[cfg(test)]

@@ -25,7 +25,7 @@ impl Node {
             .args(["--sim-url", &wiring.world[role as usize]])
             .args(["--with-parent", &std::process::id().to_string()])
             .args(arguments)
-            .stderr(Stdio::inherit());
+            .stderr(Stdio::null());
         Self(command.spawn().unwrap())
     }
 }

@@ -1,6 +1,6 @@
 //! Values that are fine alone and can't be together.
 
-use super::{Gears, Scenario, value::decimal};
+use super::{Gears, Scenario, SensorOutput, value::decimal};
 use spatial::TICK_S;
 use std::f64::consts::TAU;
 
@@ -50,6 +50,26 @@ const FASTEST_BY: &[&str] = &[
     "object.support_mass_kg",
 ];
 
+/// The same while nothing slides.
+const SMOOTH_BY: &[&str] = &[
+    "sensor.smooth_step_s",
+    "tool.mass_kg",
+    "tool.inertia_kg_m2",
+    "tool.centre_of_mass_in_s_m",
+    "tool.tcp_in_s_m",
+    "sensor.stiffness_n_per_m",
+    "sensor.stiffness_nm_per_rad",
+    "sensor.damping_ns_per_m",
+    "sensor.damping_nms_per_rad",
+    "sensor.end_stop_n_per_m",
+    "sensor.end_stop_nm_per_rad",
+    "object.indentation_n_per_m",
+    "object.rebound_ratio",
+    "object.support_n_per_m",
+    "object.support_ns_per_m",
+    "object.support_mass_kg",
+];
+
 /// What the sensor's translation under load depends on.
 const DEFLECTED_BY: &[&str] = &[
     "sensor.range_translation_m",
@@ -88,6 +108,7 @@ impl Scenario {
         self.check_steps(&mut conflicts);
         self.check_deflection(&mut conflicts);
         self.check_profile(&mut conflicts);
+        self.check_output(&mut conflicts);
         conflicts.0
     }
 
@@ -143,22 +164,38 @@ impl Scenario {
     }
 
     fn check_steps(&self, conflicts: &mut Conflicts) {
-        let [robot, sensor] = [self.robot.integration_step_s, self.sensor.integration_step_s];
-        let steps: [(&'static [&'static str], f64); 2] = [
-            (&["robot.integration_step_s"], robot),
-            (&["sensor.integration_step_s"], sensor),
+        let sensor = &self.sensor;
+        let steps: [(&'static [&'static str], f64, f64, &str); 3] = [
+            (
+                &["robot.integration_step_s"],
+                self.robot.integration_step_s,
+                TICK_S,
+                "the tick of",
+            ),
+            (
+                &["sensor.smooth_step_s"],
+                sensor.smooth_step_s,
+                TICK_S,
+                "the tick of",
+            ),
+            (
+                &["sensor.integration_step_s", "sensor.smooth_step_s"],
+                sensor.integration_step_s,
+                sensor.smooth_step_s,
+                "sensor.smooth_step_s,",
+            ),
         ];
-        for (key, step) in steps {
-            let count = TICK_S / step;
+        for (key, step, whole, name) in steps {
+            let count = whole / step;
             conflicts.require(
-                (count - count.round()).abs() <= 1e-9 * count,
+                count > 0.5 && (count - count.round()).abs() <= 1e-9 * count,
                 key,
                 format!(
-                    "{} is {} s, no whole fraction of the tick of {TICK_S} s; choose the tick over a whole number, \
-                     such as {} s",
+                    "{} is {} s, no whole fraction of {name} {} s; choose that over a whole number, such as {} s",
                     key[0],
                     short(step),
-                    short(TICK_S / finer(count)),
+                    short(whole),
+                    short(whole / finer(count)),
                 ),
             );
         }
@@ -168,28 +205,48 @@ impl Scenario {
             Gears::Elastic => self.robot.drives().gear_frequency_hz.max(),
         };
         conflicts.require(
-            robot * swinging * TAU <= GEAR_ANGLE_RAD,
+            self.robot.integration_step_s * swinging * TAU <= GEAR_ANGLE_RAD,
             GEARS_BY,
             format!(
                 "robot.integration_step_s is {} s, too long for gears that swing with up to {} Hz; choose at most {} s, \
                  or softer gears",
-                short(robot),
+                short(self.robot.integration_step_s),
                 short(swinging),
                 short(GEAR_ANGLE_RAD / (swinging * TAU)),
             ),
         );
 
-        let fastest = self.fastest_rad_per_s();
-        conflicts.require(
-            sensor * fastest <= STEP_ANGLE_RAD,
-            FASTEST_BY,
-            format!(
-                "sensor.integration_step_s is {} s, too long for a tool that moves at up to {} rad/s between sensor \
-                 and object; choose at most {} s, a heavier tool, or less stiffness and damping",
-                short(sensor),
-                short(fastest),
-                short(STEP_ANGLE_RAD / fastest),
+        let steps: [(&'static [&'static str], f64, f64); 2] = [
+            (
+                FASTEST_BY,
+                sensor.integration_step_s,
+                self.fastest_rad_per_s(true),
             ),
+            (SMOOTH_BY, sensor.smooth_step_s, self.fastest_rad_per_s(false)),
+        ];
+        for (keys, step, fastest) in steps {
+            conflicts.require(
+                step * fastest <= STEP_ANGLE_RAD,
+                keys,
+                format!(
+                    "{} is {} s, too long for a tool that moves at up to {} rad/s between sensor and object; choose \
+                     at most {} s, a heavier tool, or less stiffness and damping",
+                    keys[0],
+                    short(step),
+                    short(fastest),
+                    short(STEP_ANGLE_RAD / fastest),
+                ),
+            );
+        }
+    }
+
+    fn check_output(&self, conflicts: &mut Conflicts) {
+        conflicts.require(
+            self.controller.sensor_output == SensorOutput::Deflection || self.sensor.wrench_measured,
+            &["controller.sensor_output", "sensor.wrench_measured"],
+            "controller.sensor_output is \"force\", but the sensor measures no wrench; set sensor.wrench_measured = \
+             true or controller.sensor_output = \"deflection\""
+                .to_owned(),
         );
     }
 

@@ -140,7 +140,7 @@ fn the_start_is_an_equilibrium() {
         let rest = robot.link_motion().motion;
         let hanging = ToolMotion {
             stamp: robot.stamp(),
-            motion: hanging(&scenario, &rest),
+            motion: hanging(&scenario, &rest, &Vector3::zeros()),
         };
         for _ in 0..250 {
             robot.advance(&hanging, None);
@@ -151,16 +151,20 @@ fn the_start_is_an_equilibrium() {
     }
 }
 
-/// The tool in balance with its weight on a link at rest: the moment turns it until `K_phi phi = -R c x M g`.
-fn hanging(scenario: &Scenario, link: &Motion) -> Motion {
+/// The tool in balance on a link at rest, with its weight and `pressed` (N, in r) at the tcp: both turn it until
+/// `K_phi phi = R c x M g + R d x f` about s'.
+pub(super) fn hanging(scenario: &Scenario, link: &Motion, pressed: &Vector3<f64>) -> Motion {
     let weight = Vector3::new(0.0, 0.0, -scenario.tool.mass_kg * spatial::GRAVITY_M_PER_S2);
     let centre: Vector3<f64> = scenario.tool.centre_of_mass_in_s_m.into();
+    let tcp: Vector3<f64> = scenario.tool.tcp_in_s_m.into();
     let mut turn = Vector3::zeros();
-    for _ in 0..20 {
-        turn = (spatial::rotation::exp(turn) * centre).cross(&weight) / scenario.sensor.stiffness_nm_per_rad;
+    for _ in 0..40 {
+        let rotation = spatial::rotation::exp(turn) * link.pose.rotation;
+        let moment = (rotation * centre).cross(&weight) + (rotation * tcp).cross(pressed);
+        turn = moment / scenario.sensor.stiffness_nm_per_rad;
     }
     let mut tool = *link;
-    tool.pose.translation.vector += weight / scenario.sensor.stiffness_n_per_m;
+    tool.pose.translation.vector += (weight + pressed) / scenario.sensor.stiffness_n_per_m;
     tool.pose.rotation = spatial::rotation::exp(turn) * link.pose.rotation;
     tool
 }

@@ -1,8 +1,9 @@
 //! The tool against analytic values and PLANT.md section 5.
 
 use super::*;
-use nalgebra::Matrix6;
+use nalgebra::{Matrix3, Matrix6};
 use scenario::{Object, Sensor, Tool};
+use spatial::MotionSegment;
 use std::f64::consts::{PI, TAU};
 
 const STEP: f64 = 20e-6;
@@ -15,10 +16,9 @@ fn undamped() -> Sensor {
     }
 }
 
-/// A link at rest at the origin, for as long as one likes.
-fn still() -> (Motion, MotionSegment) {
-    let link = Motion::at_rest(Pose::identity());
-    (link, MotionSegment::new(link, link, 1.0))
+/// A link at rest at the origin.
+fn still() -> Motion {
+    Motion::at_rest(Pose::identity())
 }
 
 /// An object far below.
@@ -38,32 +38,36 @@ fn simulate(
     (step, steps): (f64, usize),
     mut see: impl FnMut(&State, f64, f64),
 ) -> State {
-    let segment = still().1;
-    for i in 0..steps {
-        let around = Surroundings {
-            link: &segment,
-            start_s: i as f64 * step,
-            contacts,
-        };
-        state = body.integrate(&state, &around, 0.0, step).0;
-        let base = contacts.object().base((i + 1) as f64 * step);
-        let force = contacts.load(&state, state.rotation, &base).force;
-        see(&state, contacts.deepest(&state, &base).indentation_m, force.z);
-        contacts.remember(&state, &base);
+    let now = at_rest(contacts);
+    for _ in 0..steps {
+        state = body.integrate(&state, [&now; 3], contacts, step).0;
+        let force = contacts
+            .load(&state, &state.rotation.to_rotation_matrix(), &now.base)
+            .force;
+        see(&state, contacts.deepest(&state, &now.base).indentation_m, force.z);
+        contacts.remember(&state, &now.base);
     }
     state
 }
 
+/// Link and object at rest.
+fn at_rest(contacts: &Contacts) -> Instant {
+    Instant {
+        link: still(),
+        base: contacts.object().base(0.0),
+    }
+}
+
 /// Stiffness K and mass M of small motions (position of the centre of mass, rotation vector), by differences.
 fn linearised(body: &Body) -> (Matrix6<f64>, Matrix6<f64>) {
-    let (link, _) = still();
+    let link = still();
     let rest = body.hanging(&link.pose);
     let contacts = nothing_near();
-    let base = contacts.object().base(0.0);
+    let now = at_rest(&contacts);
     let mut mass = Matrix6::identity() * body.mass;
     let rotation = rest.rotation.to_rotation_matrix();
     mass.fixed_view_mut::<3, 3>(3, 3)
-        .copy_from(&(rotation * body.inertia * rotation.inverse()));
+        .copy_from(&(rotation * Matrix3::from_diagonal(&body.inertia) * rotation.inverse()));
     let h = 1e-6;
     let acceleration = |axis: usize, h: f64| {
         let mut state = rest;
@@ -72,7 +76,7 @@ fn linearised(body: &Body) -> (Matrix6<f64>, Matrix6<f64>) {
         } else {
             state.rotation = rotation::exp(Vector3::ith(axis - 3, h)) * state.rotation;
         }
-        let rates = body.rates(&state, &link, &contacts, &base);
+        let rates = body.rates(&state, &now, &contacts);
         spatial::kinematics::join(rates.acceleration, rates.angular_acceleration)
     };
     let mut gradient = Matrix6::zeros();
@@ -134,10 +138,10 @@ fn free_and_pinned_modes() {
 #[test]
 fn the_tool_hangs_in_balance() {
     let body = Body::new(&Tool::default(), &Sensor::default());
-    let (link, _) = still();
+    let link = still();
     let rest = body.hanging(&link.pose);
     let contacts = nothing_near();
-    let rates = body.rates(&rest, &link, &contacts, &contacts.object().base(0.0));
+    let rates = body.rates(&rest, &at_rest(&contacts), &contacts);
     assert!(rates.acceleration.norm() < 1e-12 && rates.angular_acceleration.norm() < 1e-10);
     assert!((rotation::log(&rest.rotation).y - 2.918e-3).abs() < 0.001e-3);
     let sag = body.tcp_motion(&rest).0.translation.vector - body.tcp;
@@ -166,7 +170,7 @@ fn the_static_deflection_under_ten_newton() {
 #[test]
 fn energy_is_conserved_without_damping_and_the_method_is_of_fourth_order() {
     let body = Body::new(&Tool::default(), &undamped());
-    let (link, _) = still();
+    let link = still();
     let mut start = body.hanging(&link.pose);
     start.velocity = Vector3::new(0.02, -0.01, 0.03);
     start.angular_velocity = Vector3::new(0.3, 0.2, -0.4);
@@ -196,7 +200,7 @@ fn energy_is_conserved_in_the_end_stops() {
         ..undamped()
     };
     let body = Body::new(&Tool::default(), &sensor);
-    let (link, _) = still();
+    let link = still();
     let mut start = body.hanging(&link.pose);
     start.velocity = Vector3::new(0.1, -0.05, 0.15);
     start.angular_velocity = Vector3::new(0.9, 0.6, -1.2);
@@ -218,6 +222,54 @@ fn energy_is_conserved_in_the_end_stops() {
     let drift = (energy(&end) - energy(&start)) / body.kinetic_energy(&start);
     // The spring's kink costs the method its order, not the energy its account.
     assert!(furthest > 0.25e-3 && drift.abs() < 1e-5, "{furthest} m, {drift}");
+}
+
+/// The accelerations of s' are the rates of change of its velocities, for a tool that tumbles on a link that moves:
+/// what the robot's side extrapolates with (PLANT.md section 4).
+#[test]
+fn the_accelerations_of_the_plate_are_the_derivatives_of_its_velocities() {
+    let body = Body::new(&Tool::default(), &Sensor::default());
+    let start = Motion {
+        velocity: Vector3::new(0.1, -0.05, -0.02),
+        angular_velocity: Vector3::new(0.2, 0.1, -0.3),
+        ..Motion::at_rest(spatial::pose(
+            Vector3::new(0.1, 0.2, 0.3),
+            Vector3::new(0.2, -0.1, 0.3),
+        ))
+    };
+    let end = Motion {
+        pose: start.extrapolate(1e-3).pose,
+        velocity: Vector3::new(0.1, -0.04, -0.03),
+        ..start
+    };
+    let segment = MotionSegment::new(start, end, 1e-3);
+    let contacts = nothing_near();
+    let at = |time: f64| Instant {
+        link: segment.at(time),
+        base: contacts.object().base(time),
+    };
+    let mut state = body.hanging(&start.pose);
+    state.velocity = start.velocity;
+    // Turning fast: both w x (w x r) and dw/dt x r are felt.
+    state.angular_velocity = Vector3::new(-4.0, 3.0, 5.0);
+    let step = 5e-6;
+    let motions: Vec<Motion> = (0..100)
+        .map(|i| {
+            let time = f64::from(i) * step;
+            let instants = [at(time), at(time + 0.5 * step), at(time + step)];
+            let motion = body.plate_motion(&state, &instants[0], &contacts);
+            state = body.integrate(&state, instants.each_ref(), &contacts, step).0;
+            motion
+        })
+        .collect();
+    for around in motions.windows(3) {
+        let slope = |of: fn(&Motion) -> Vector3<f64>| (of(&around[2]) - of(&around[0])) / (2.0 * step);
+        let motion = &around[1];
+        assert!((slope(|m| m.pose.translation.vector) - motion.velocity).norm() < 1e-6);
+        assert!((slope(|m| m.velocity) - motion.acceleration).norm() < 1e-3);
+        assert!((slope(|m| m.angular_velocity) - motion.angular_acceleration).norm() < 1e-2);
+        assert!(motion.acceleration.norm() > 1.0 && motion.angular_acceleration.norm() > 10.0);
+    }
 }
 
 /// A tool thrown at the object, its sensor cut off and without weight.

@@ -1,0 +1,155 @@
+//! The phases of DESIGN.md section 6 and when they begin, and the limits that bind.
+
+use super::*;
+use ControllerPhase::{Approach, Contact, Init, Ready, Settled, Sync};
+
+/// C of the tcp along z (PLANT.md section 5), m/N.
+const COMPLIANCE: f64 = 28.267e-6;
+
+/// The cycles at which a phase begins, on a robot that stands still while the sensor shows `force` (N, by tick).
+fn phases(scenario: &Scenario, force: impl Fn(i64) -> f64) -> Vec<(i64, ControllerPhase)> {
+    let mut controller = Controller::new(scenario);
+    let axes = scenario.start_axes().unwrap();
+    let mut phases = vec![(0, controller.status(0).phase)];
+    for tick in (0..=800).step_by(4) {
+        let deflections = sensed(tick, 0, |sampled| lifted(COMPLIANCE * force(sampled)));
+        let status = controller.cycle(&state(tick, axes), &deflections).status;
+        assert_eq!(status.fault, Fault::None);
+        if phases.last().is_some_and(|(_, phase)| *phase != status.phase) {
+            phases.push((tick, status.phase));
+        }
+    }
+    phases
+}
+
+/// Tare 0.2 s, standstill 0.25 s, contact with the first sample above the threshold, settled after 50 ms within
+/// 0.5 N in a row, which are 13 cycles of 4 ms; one cycle outside starts them anew, and ends what had settled.
+#[test]
+fn each_phase_begins_in_its_cycle() {
+    let found = phases(&Scenario::default(), |tick| match tick {
+        ..400 => 0.0,
+        400..440 => 5.0,
+        480..484 => 10.6,
+        600..604 => 9.4,
+        _ if tick / 4 % 2 == 0 => 10.4,
+        _ => 9.6,
+    });
+    let expected = [
+        (0, Init),
+        (0, Sync),
+        (200, Ready),
+        (252, Approach),
+        (400, Contact),
+        (484 + 48, Settled),
+        (600, Contact),
+        (604 + 48, Settled),
+    ];
+    assert_eq!(found, expected);
+}
+
+/// A force that is there before the approach is none of its contacts, and counts once the approach begins.
+#[test]
+fn only_the_approach_meets_an_object() {
+    let found = phases(&Scenario::default(), |tick| if tick < 230 { 0.0 } else { 5.0 });
+    assert_eq!(
+        found,
+        [
+            (0, Init),
+            (0, Sync),
+            (200, Ready),
+            (252, Approach),
+            (256, Contact)
+        ]
+    );
+}
+
+#[test]
+fn without_a_valid_sample_it_stays_in_sync() {
+    let scenario = Scenario::default();
+    let mut controller = Controller::new(&scenario);
+    let axes = scenario.start_axes().unwrap();
+    for tick in (0..=400).step_by(4) {
+        let outputs = controller.cycle(&state(tick, axes), &sensed(tick, 1000, |_| lifted(1.0)));
+        assert_eq!(outputs.status.phase, Sync);
+        assert_eq!(outputs.command.axis_position, [axes; HORIZON]);
+    }
+}
+
+/// The way from 30 mm above to 5 mm below the expected height takes 1.75 s at 20 mm/s and 0.1 s for its ramps. Then
+/// the fault stays, whatever comes, and the robot where it is.
+#[test]
+fn a_search_that_ends_latches_no_contact_and_holds() {
+    let scenario = Scenario::default();
+    let mut controller = Controller::new(&scenario);
+    let mut axes = scenario.start_axes().unwrap();
+    let bottom = axes.z - 0.035;
+    for tick in (0..=2600).step_by(4) {
+        let late = if tick < 2300 { 0.0 } else { 10.0 };
+        let Outputs { command, status } = controller.cycle(
+            &state(tick, axes),
+            &sensed(tick, 0, |_| lifted(COMPLIANCE * late)),
+        );
+        axes = command.axis_position[0];
+        let ended = (tick - 252) as f64 * TICK_S > 1.85;
+        let expected = if ended {
+            (ControllerPhase::Fault, Fault::NoContact)
+        } else {
+            (status.phase, Fault::None)
+        };
+        assert_eq!((status.phase, status.fault), expected, "tick {tick}");
+        assert!(!status.object_known && status.phase != Contact);
+        if ended {
+            for held in &command.axis_position {
+                assert!((held.z - bottom).abs() < 1e-9, "{held} at tick {tick}");
+            }
+        }
+    }
+}
+
+/// `max_lead_m` = 3 mm ahead of a robot that is stuck, and no more; said with bit 1, until the robot follows.
+#[test]
+fn the_lead_is_bounded_and_its_bit_says_so() {
+    let scenario = Scenario::default();
+    let mut controller = Controller::new(&scenario);
+    let mut axes = scenario.start_axes().unwrap();
+    let mut bound_ticks = Vec::new();
+    for tick in (0..=1000).step_by(4) {
+        let Outputs { command, status } = controller.cycle(&state(tick, axes), &undeflected(tick));
+        let leads = command.axis_position.map(|next| axes.z - next.z);
+        assert!(
+            leads.iter().all(|lead| *lead < 3e-3 + 1e-12),
+            "{leads:?} at tick {tick}"
+        );
+        assert_eq!(
+            status.limits,
+            i32::from(leads[0] > 3e-3 - 1e-12),
+            "{leads:?} at tick {tick}"
+        );
+        if status.limits != 0 {
+            bound_ticks.push(tick);
+        }
+        if tick > 600 {
+            axes = command.axis_position[0];
+        }
+    }
+    // 3 mm at 20 mm/s take 150 ms and half the ramp of 100 ms, less the feed-forward's 2 zeta / w = 17 ms: 252 + 183.
+    let (first, last) = (bound_ticks[0], bound_ticks[bound_ticks.len() - 1]);
+    assert_eq!(first, 436);
+    assert!((600..640).contains(&last), "{last}");
+    assert_eq!(bound_ticks.len() as i64, (last - first) / 4 + 1);
+}
+
+/// Bit 32: the newest sample is at the end of its range.
+#[test]
+fn a_saturated_deflection_is_said() {
+    let scenario = Scenario::default();
+    let mut controller = Controller::new(&scenario);
+    let axes = scenario.start_axes().unwrap();
+    for tick in (0..=400).step_by(4) {
+        let mut deflections = undeflected(tick);
+        let saturated = (300..360).contains(&tick);
+        deflections.samples[0].flags.saturated = saturated;
+        let status = controller.cycle(&state(tick, axes), &deflections).status;
+        assert_eq!(status.limits, 32 * i32::from(saturated), "tick {tick}");
+    }
+}

@@ -1,0 +1,125 @@
+//! Does a datagram to LCM's group come back, and which way does it go?
+
+use super::{Finding, Verdict};
+use crate::run_port::{GROUP, receiver};
+use std::fmt;
+use std::io;
+use std::net::{Ipv4Addr, UdpSocket};
+use std::time::Duration;
+
+/// Why a datagram sent to the group did not come back.
+#[derive(Debug)]
+pub(super) enum NoEcho {
+    Join(io::Error),
+    Send(io::Error),
+    Silence(Duration),
+}
+
+/// Sends one datagram to the group on a free port, ttl 0, and receives it.
+pub(super) fn echo(patience: Duration) -> Result<(), NoEcho> {
+    let ear = receiver(0).map_err(NoEcho::Join)?;
+    let open = || -> io::Result<(u16, UdpSocket)> {
+        let mouth = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0))?;
+        mouth.set_multicast_ttl_v4(0)?;
+        ear.set_read_timeout(Some(patience))?;
+        Ok((ear.local_addr()?.port(), mouth))
+    };
+    let (port, mouth) = open().map_err(NoEcho::Join)?;
+    let word = format!("touchdown doctor {} {port}", std::process::id());
+    mouth
+        .send_to(word.as_bytes(), (GROUP, port))
+        .map_err(NoEcho::Send)?;
+    let mut heard = [0; 64];
+    // Somebody else's datagram may come first.
+    for _ in 0..4 {
+        match ear.recv_from(&mut heard) {
+            Ok((size, _)) if heard[..size] == *word.as_bytes() => return Ok(()),
+            Ok(_) => {}
+            Err(_) => break,
+        }
+    }
+    Err(NoEcho::Silence(patience))
+}
+
+/// Whether the group is reached, and if not, why.
+pub(super) fn multicast(echo: Result<(), NoEcho>, route: Option<&Route>) -> Finding {
+    let through = route.map_or_else(String::new, |route| format!(" through {route}"));
+    let (observed, remedy) = match (echo, route) {
+        (Ok(()), _) => {
+            let observed =
+                format!("a datagram to {GROUP} came back{through}; with ttl=0 none leaves this host");
+            return Finding::new("multicast", Verdict::Good, observed);
+        }
+        (Err(NoEcho::Join(error) | NoEcho::Send(error)), None) => (
+            format!("no route to {GROUP}, neither one for 224.0.0.0/4 nor a default route: {error}"),
+            "sudo ip route add 224.0.0.0/4 dev lo",
+        ),
+        (Err(NoEcho::Send(error)), _) if error.kind() == io::ErrorKind::PermissionDenied => (
+            format!("a firewall on this host forbids to send to {GROUP}{through}: {error}"),
+            "sudo iptables -I OUTPUT -d 224.0.0.0/4 -p udp -j ACCEPT",
+        ),
+        (Err(NoEcho::Join(error) | NoEcho::Send(error)), _) => (
+            format!("can't reach {GROUP}{through}: {error}"),
+            "sudo ip route replace 224.0.0.0/4 dev lo",
+        ),
+        (Err(NoEcho::Silence(patience)), route) => (
+            format!(
+                "a datagram to {GROUP}{through} did not come back within {} ms: a firewall on this host drops it",
+                patience.as_millis()
+            ),
+            match route {
+                Some(route) if route.interface == "lo" => {
+                    "sudo iptables -I INPUT -d 224.0.0.0/4 -p udp -j ACCEPT; or: sudo ip link set lo multicast on"
+                }
+                _ => "sudo iptables -I INPUT -d 224.0.0.0/4 -p udp -j ACCEPT",
+            },
+        ),
+    };
+    Finding::new("multicast", Verdict::Bad, observed).mended_by(remedy)
+}
+
+/// How multicast leaves.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Route {
+    pub(super) interface: String,
+    pub(super) default: bool,
+}
+
+impl fmt::Display for Route {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let kind = if self.default {
+            "the default route"
+        } else {
+            "a multicast route"
+        };
+        match self.interface.as_str() {
+            "*" => write!(f, "{kind} that rejects it"),
+            interface => write!(f, "{interface} ({kind})"),
+        }
+    }
+}
+
+/// The route to the group in `/proc/net/route`: that of the longest mask, then of the least metric.
+pub(super) fn route(table: &str) -> Option<Route> {
+    const UP: u32 = 0x1;
+    let group = u32::from_ne_bytes(GROUP.octets());
+    let matching = |line: &str| {
+        let fields: Vec<&str> = line.split_ascii_whitespace().collect();
+        let hex = |index: usize| u32::from_str_radix(fields.get(index)?, 16).ok();
+        let (destination, flags, mask) = (hex(1)?, hex(3)?, hex(7)?);
+        let metric: u32 = fields[6].parse().ok()?;
+        (flags & UP != 0 && group & mask == destination).then(|| {
+            let route = Route {
+                interface: fields[0].to_owned(),
+                default: mask == 0,
+            };
+            (std::cmp::Reverse(mask.count_ones()), metric, route)
+        })
+    };
+    table
+        .lines()
+        .skip(1)
+        .filter_map(matching)
+        .min_by_key(|&(mask, metric, _)| (mask, metric))
+        .map(|(.., route)| route)
+}
