@@ -7,7 +7,7 @@ build := if [ -t 2 ]; then export CARGO_TERM_PROGRESS_WHEN=always CARGO_TERM_PRO
 
 touchdown := target/release/touchdown
 
-.PHONY: help demo test bench doctor check format lint doc clean
+.PHONY: help demo test bits bench doctor check format lint doc clean
 
 help: ## list the targets (default)
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile | expand -t 10
@@ -18,6 +18,13 @@ demo: ## the paper's experiment with both laws, as three processes over LCM: tab
 
 test: ## all tests
 	@./setup.sh test cargo test --workspace --locked
+
+bits: ## the same bits in release and, emulated, on other CPUs
+	@./setup.sh test cargo test --release --locked -p experiment --test golden
+	@for cpu in Nehalem Haswell; do \
+		CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER="qemu-x86_64 -cpu $$cpu" \
+		./setup.sh bits cargo test --locked -p experiment --test golden || exit 1; \
+	done
 
 bench: ## how fast the simulation and the network are on this machine
 	@$(build)

@@ -1,9 +1,10 @@
 #!/bin/sh
 # Makes sure that this machine has what a task needs, then runs a command with Rust on its PATH:
 #
-#     ./setup.sh demo|test|check [COMMAND [ARGUMENT...]]
+#     ./setup.sh demo|test|check|bits [COMMAND [ARGUMENT...]]
 #
-# demo: what building and running needs; test: also what the tests need; check: also rustfmt and clippy.
+# demo: what building and running needs; test: also what the tests need; check: also rustfmt and clippy; bits: also
+# an emulator of other CPUs.
 # Says nothing and changes nothing when nothing is missing. Otherwise says what is missing and why, and installs it
 # on Debian and Ubuntu; elsewhere it names what to install and fails.
 set -eu
@@ -11,8 +12,8 @@ cd "$(dirname "$0")"
 
 task=${1:-}
 case $task in
-    demo | test | check) shift ;;
-    *) echo "usage: ./setup.sh demo|test|check [COMMAND [ARGUMENT...]]" >&2 && exit 2 ;;
+    demo | test | check | bits) shift ;;
+    *) echo "usage: ./setup.sh demo|test|check|bits [COMMAND [ARGUMENT...]]" >&2 && exit 2 ;;
 esac
 
 say() { echo "setup: $*" >&2; }
@@ -82,6 +83,9 @@ examine() {
         python3 -c 'import ensurepip, venv' 2>/dev/null ||
             need "Python with venv: the tests exchange messages with Python's LCM" python3 python3-venv
         have ip || need "ip: the tests run nodes in network namespaces" iproute2
+    fi
+    if [ "$task" = bits ]; then
+        have qemu-x86_64 || need "qemu: runs a test as other CPUs do" qemu-user
     fi
     find_rust
     case $rust in
