@@ -105,7 +105,7 @@ as_root() {
     fi
 }
 apt() { as_root env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300 "$@" >&2; }
-candidate() { apt-cache policy "$1" 2>/dev/null | sed -n 's/^  Candidate: //p'; }
+candidate() { LC_ALL=C apt-cache policy "$1" 2>/dev/null | sed -n 's/^  Candidate: //p'; }
 
 # The packages rustc*, cargo* that are new enough: the system's own, the ones that Debian keeps current for its
 # browsers (-web), the versioned ones of Ubuntu, newest first.
@@ -123,8 +123,8 @@ lint_packages() { # [SUFFIX], that of the installed rustc unless told
     echo "rustfmt$suffix $([ "$suffix" ] && echo "rust$suffix-clippy" || echo rust-clippy)"
 }
 
-# Sets `wanted` to the packages to install, `unpack` to those to unpack, `unknown` to what apt does not offer; fails if
-# there is any of the latter.
+# Sets `wanted` to the packages to install, `unpack` to those to unpack, `unknown` to what apt does not offer; fails
+# if there is any of the latter.
 resolve() {
     wanted="" unpack="" unknown=""
     for package in $packages; do
@@ -135,11 +135,15 @@ resolve() {
         esac
     done
     if [ $rust = none ]; then
-        if found=$(rust_packages); then wanted="$wanted $found"; else unknown="$unknown rustc and cargo ($rust_minimum or newer)"; fi
+        if found=$(rust_packages); then
+            wanted="$wanted $found"
+        else
+            unknown="$unknown rustc and cargo ($rust_minimum or newer)"
+        fi
     fi
     [ -z "$unknown" ]
 }
-wants_java() { apt-cache depends liblcm-bin | grep -q 'Depends: .*-jre'; } # as on Ubuntu, for lcm-spy
+wants_java() { LC_ALL=C apt-cache depends liblcm-bin | grep -q 'Depends: .*-jre'; } # as on Ubuntu, for lcm-spy
 
 # shellcheck disable=SC2086 # lists of packages
 install_packages() {

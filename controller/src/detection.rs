@@ -11,26 +11,26 @@ use spatial::TICK_S;
 pub struct Detector {
     threshold_n: f64,
     apparent_mass_kg: f64,
+    fading_s: f64,
     /// Largest recent acceleration, fading, m/s^2.
     envelope: f64,
 }
 
-/// How fast the envelope fades, s: as long as the tool rings on after a smooth ramp.
-const FADING_S: f64 = 0.05;
-
 impl Detector {
-    /// A detector that fires above `threshold_n`, raised by `apparent_mass_kg` times the acceleration.
-    pub fn new(threshold_n: f64, apparent_mass_kg: f64) -> Self {
+    /// A detector that fires above `threshold_n`, raised by `apparent_mass_kg` times the largest acceleration, which
+    /// is forgotten within `fading_s`.
+    pub fn new(threshold_n: f64, apparent_mass_kg: f64, fading_s: f64) -> Self {
         Self {
             threshold_n,
             apparent_mass_kg,
+            fading_s,
             envelope: 0.0,
         }
     }
 
     /// Follow the acceleration (m/s^2) of the commanded motion over one cycle of `ticks`.
     pub fn follow(&mut self, acceleration: f64, ticks: i64) {
-        let fading = libm::exp(-(ticks as f64) * TICK_S / FADING_S);
+        let fading = libm::exp(-(ticks as f64) * TICK_S / self.fading_s);
         self.envelope = libm::fabs(acceleration).max(self.envelope * fading);
     }
 
@@ -46,7 +46,7 @@ mod tests {
 
     #[test]
     fn the_threshold_rises_with_acceleration_and_comes_back() {
-        let mut detector = Detector::new(0.8, 3.0);
+        let mut detector = Detector::new(0.8, 3.0, 0.05);
         detector.follow(-0.4, 4);
         assert!((detector.threshold_n() - 2.0).abs() < 1e-12);
         for _ in 0..250 {

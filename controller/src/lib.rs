@@ -8,14 +8,19 @@
 //! | actual pose and deflection at the same instant | [`pairing`] | below (2) |
 //! | contact or not | [`detection`] | V |
 //! | between sensor and tcp | [`transform`] | (3)-(12) |
+//! | the laws behind one interface | [`law`] | |
 //! | standard law | [`pd`] | (1) |
+//! | task description, sample by sample | [`literal`] | (2) |
 //! | object measured once, then refined | [`object_model`] | (2), (12) |
 //! | feed-forward of the position control | [`command_dynamics`] | Fig. 2, II-B |
 //! | posture that keeps the tool's orientation | [`posture`] | (9)-(11), Fig. 5 |
 
 pub mod approach;
 pub mod command_dynamics;
+pub mod contact;
 pub mod detection;
+pub mod law;
+pub mod literal;
 pub mod object_model;
 pub mod pairing;
 pub mod pd;
@@ -23,23 +28,18 @@ pub mod posture;
 pub mod tare;
 pub mod transform;
 
+mod motion;
 mod status;
 
-use approach::{Approach, PathPoint, spread};
-use command_dynamics::CommandDynamics;
-use detection::Detector;
+use motion::Motion;
 use nalgebra::Vector3;
-use node::scenario::{self, Scenario};
-use object_model::ObjectModel;
+use node::scenario::{self, Pairing, Scenario, SensorOutput};
 use pairing::EncoderHistory;
-use pd::Pd;
-use posture::Posture;
-use spatial::kinematics::{Axes, Gantry};
+use spatial::kinematics::{Axes, Kinematics};
 use spatial::ports::{
-    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, HORIZON, Law,
-    RobotState,
+    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, HORIZON, RobotState,
 };
-use spatial::{Compliance, TICK_S, Wrench};
+use spatial::{Compliance, Deflection, TICK_S, Wrench};
 use std::f64::consts::TAU;
 use tare::Tare;
 
@@ -62,6 +62,8 @@ pub struct Controller {
     newest_sample_utime: i64,
     tare: Tare,
     start: Axes,
+    /// The set-point that the axes are to reach next.
+    commanded: Axes,
     motion: Option<Motion>,
     limits: i32,
 }
@@ -73,41 +75,17 @@ struct Settings {
     period_ticks: i64,
     task: scenario::Task,
     controller: scenario::Controller,
+    kinematics: Kinematics,
     compliance: Compliance,
     d: Vector3<f64>,
     desired: Wrench,
 }
 
-/// Everything that exists only once the tare is known.
-#[derive(Clone, Debug)]
-struct Motion {
-    posture: Posture,
-    /// Compliance of the tcp along the contact's normal, m/N.
-    compliance_m_per_n: f64,
-    /// Height of the hanging tcp at the start, m.
-    start_height_m: f64,
-    path: Approach,
-    /// Tick at which the approach began.
-    start_tick: Option<i64>,
-    dynamics: CommandDynamics,
-    detector: Detector,
-    object: ObjectModel,
-    pd: Option<Pd>,
-    /// Contact force along the normal from the newest sample, N.
-    force_n: f64,
-    contact: Option<Contact>,
-    newest: DeflectionSample,
-    /// Axes at the instant of the newest sample.
-    axes: Axes,
-    settled_cycles: i64,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Contact {
-    /// Tick of the sample that detected it.
-    sample_tick: i64,
-    /// Tick of the cycle that learned of it.
-    cycle_tick: i64,
+impl Settings {
+    /// Periods from a cycle to the instant at which its first set-point is reached.
+    fn lead(&self) -> i64 {
+        self.controller.command_delay_periods + 1
+    }
 }
 
 /// How long the force must stay in its band before the contact counts as settled, s.
@@ -123,6 +101,7 @@ impl Controller {
                 period_ticks: scenario.timing.command_period_ticks,
                 task: scenario.task.clone(),
                 controller: controller.clone(),
+                kinematics: scenario.robot.kinematics(),
                 compliance: Compliance::isotropic(
                     controller.compliance_m_per_n,
                     controller.compliance_rad_per_nm,
@@ -139,6 +118,7 @@ impl Controller {
             newest_sample_utime: i64::MIN,
             tare: Tare::default(),
             start: Axes::zeros(),
+            commanded: Axes::zeros(),
             motion: None,
             limits: 0,
         }
@@ -152,6 +132,7 @@ impl Controller {
         self.encoders.update(state);
         if self.phase == ControllerPhase::Init {
             self.start = state.axis_position[0];
+            self.commanded = self.start;
             self.phase = ControllerPhase::Sync;
         }
         for sample in deflections.samples.iter().rev() {
@@ -170,35 +151,34 @@ impl Controller {
 
     /// One sample of the sensor, paired with the axes at its instant.
     fn take(&mut self, sample: &DeflectionSample, tick: i64) {
-        let settings = &self.settings;
+        let deflection = self.deflection_of(sample);
+        let axes = self.axes_at(sample);
         let Some(motion) = &mut self.motion else {
-            self.tare.add(&sample.deflection);
+            self.tare.add(&deflection);
             return;
         };
-        // The low pass shows the deflection of 1 / (2 pi f) ago.
-        let lag_us = 1e6 / (TAU * settings.controller.sensor_bandwidth_hz);
-        motion.axes = self.encoders.at(sample.utime as f64 - lag_us);
-        motion.newest = *sample;
-        let r_from_s = Gantry.forward(&motion.axes);
-        let real = motion
-            .posture
-            .deflected_tcp(&r_from_s, &sample.deflection)
-            .translation
-            .vector
-            .z;
-        let hanging = motion.posture.hanging_tcp(&r_from_s).translation.vector.z;
-        motion.force_n = (real - hanging) / motion.compliance_m_per_n;
-        if self.phase == ControllerPhase::Approach
-            && motion.contact.is_none()
-            && motion.force_n > motion.detector.threshold_n()
-        {
-            motion.contact = Some(Contact {
-                sample_tick: sample.utime / spatial::TICK_US,
-                cycle_tick: tick,
-            });
+        let approaching = self.phase == ControllerPhase::Approach;
+        motion.take(&self.settings, sample, &deflection, &axes, approaching, tick);
+    }
+
+    /// The deflection that a sample stands for. Paper (3), (4): a sensor that outputs forces is turned back into
+    /// one that outputs deflections, with the assumed compliance.
+    fn deflection_of(&self, sample: &DeflectionSample) -> Deflection {
+        match self.settings.controller.sensor_output {
+            SensorOutput::Deflection => sample.deflection,
+            SensorOutput::Force => self.settings.compliance * sample.wrench,
         }
-        if motion.contact.is_some() {
-            motion.object.update(real);
+    }
+
+    /// The axes that belong to a sample: those at its instant, less what the sensor's low pass delays.
+    fn axes_at(&self, sample: &DeflectionSample) -> Axes {
+        match self.settings.controller.pairing {
+            Pairing::Sampling => {
+                // The low pass shows the deflection of 1 / (2 pi f) ago.
+                let lag_us = 1e6 / (TAU * self.settings.controller.sensor_bandwidth_hz);
+                self.encoders.at(sample.utime as f64 - lag_us)
+            }
+            Pairing::Arrival => self.encoders.newest(),
         }
     }
 
@@ -207,7 +187,7 @@ impl Controller {
         let time = tick as f64 * TICK_S;
         match self.phase {
             ControllerPhase::Sync if time >= settings.controller.tare_s && self.tare.count() > 0 => {
-                self.motion = Some(Motion::new(settings, &self.tare, &self.start));
+                self.motion = Some(Motion::new(settings, &self.tare.mean(), &self.start));
                 self.phase = ControllerPhase::Ready;
             }
             ControllerPhase::Ready if time >= settings.task.standstill_s => {
@@ -218,25 +198,18 @@ impl Controller {
         let Some(motion) = &mut self.motion else { return };
         match self.phase {
             ControllerPhase::Approach => {
-                let start = *motion.start_tick.get_or_insert(tick);
-                if motion.contact.is_some() {
+                if motion.in_contact() {
                     self.phase = ControllerPhase::Contact;
-                    motion.pd = Some(Pd::new(
-                        &settings.controller.pd,
-                        motion.dynamics.setpoint(),
-                        motion.force_n,
-                    ));
-                } else if (tick - start) as f64 * TICK_S > motion.path.duration() {
+                } else if motion.approached_for(tick) > motion.approach_duration() {
                     self.phase = ControllerPhase::Fault;
                     self.fault = Fault::NoContact;
                 }
             }
             ControllerPhase::Contact | ControllerPhase::Settled => {
-                let error = motion.force_n - settings.task.desired_force_n;
+                let error = motion.force_n() - settings.task.desired_force_n;
                 let inside = libm::fabs(error) <= settings.controller.settled_band_n;
-                motion.settled_cycles = if inside { motion.settled_cycles + 1 } else { 0 };
-                let needed = SETTLED_S / (settings.period_ticks as f64 * TICK_S);
-                if motion.settled_cycles as f64 >= needed {
+                let inside_s = motion.count_settled(inside) as f64 * settings.period_ticks as f64 * TICK_S;
+                if inside_s >= SETTLED_S {
                     self.phase = ControllerPhase::Settled;
                 } else if !inside {
                     self.phase = ControllerPhase::Contact;
@@ -246,138 +219,26 @@ impl Controller {
         }
     }
 
-    /// The next set-points of the axes, one period apart.
+    /// The next set-points of the axes, one period apart. A pose that kinematics can't reach latches a fault: the
+    /// axes stay at the set-point last given.
     fn set_points(&mut self, tick: i64, actual: &Axes) -> [Axes; HORIZON] {
-        let settings = &self.settings;
         self.limits = 0;
+        let held = [self.commanded; HORIZON];
         let Some(motion) = &mut self.motion else {
-            return [self.start; HORIZON];
+            return held;
         };
-        let proposed = settings.controller.law == Law::Proposed;
-        let actual_height = motion
-            .posture
-            .hanging_tcp(&Gantry.forward(actual))
-            .translation
-            .vector
-            .z;
-        // The first set-point takes effect n_d + 1 periods from now.
-        let lead = settings.controller.command_delay_periods + 1;
-        let mut pd_setpoint = motion
-            .pd
-            .as_mut()
-            .map(|pd| pd.setpoint(motion.force_n, settings.task.desired_force_n));
-        let mut ahead = motion.dynamics;
-        let mut committed = motion.dynamics;
-        let bandwidth = TAU * settings.controller.proposed.reference_bandwidth_hz;
-        let target = motion
-            .object
-            .desired_height(motion.compliance_m_per_n, settings.task.desired_force_n);
-        let axes = std::array::from_fn(|i| {
-            let at_tick = tick + (lead + i as i64) * settings.period_ticks;
-            let wanted = match (motion.contact, proposed) {
-                (Some(_), true) => ahead.towards(target.unwrap_or(ahead.setpoint()), bandwidth),
-                (Some(_), false) => *pd_setpoint.get_or_insert(ahead.setpoint()),
-                (None, feed_forward) => motion.approach_height(settings, at_tick, lead, feed_forward),
-            };
-            let bound = settings.controller.max_lead_m;
-            let height = wanted.clamp(actual_height - bound, actual_height + bound);
-            if height != wanted && i == 0 {
-                self.limits |= status::LIMIT_LEAD;
-            }
-            ahead.advance(height);
-            if i == 0 {
-                committed = ahead;
-            }
-            let pose = motion
-                .posture
-                .sensor_pose(height, motion.tilt(settings, at_tick, lead));
-            Gantry.inverse(&pose)
-        });
-        motion.dynamics = committed;
-        motion.detector.follow(
-            motion
-                .path_point(settings, tick + lead * settings.period_ticks, lead)
-                .acceleration,
-            settings.period_ticks,
-        );
-        axes
-    }
-}
-
-impl Motion {
-    fn new(settings: &Settings, tare: &Tare, start: &Axes) -> Self {
-        let r_from_s = Gantry.forward(start);
-        let posture = Posture::new(
-            &settings.compliance,
-            settings.d,
-            tare.mean(),
-            &r_from_s,
-            &settings.desired,
-        );
-        let start_height_m = posture.hanging_tcp(&r_from_s).translation.vector.z;
-        let controller = &settings.controller;
-        let task = &settings.task;
-        let length = start_height_m - (task.expected_height_m - task.search_depth_m);
-        Self {
-            posture,
-            compliance_m_per_n: transform::compliance_along(
-                &settings.compliance,
-                posture.lever(),
-                Vector3::z(),
-            ),
-            start_height_m,
-            path: Approach::new(length, task.approach_speed_m_per_s),
-            start_tick: None,
-            dynamics: CommandDynamics::new(
-                controller.filter_frequency_hz,
-                controller.filter_damping,
-                controller.acceleration_limit_rad_per_s2[2],
-                settings.period_ticks,
-                start_height_m,
-            ),
-            detector: Detector::new(controller.detection_threshold_n, controller.apparent_mass_kg),
-            object: ObjectModel::new(&controller.proposed),
-            pd: None,
-            force_n: 0.0,
-            contact: None,
-            newest: DeflectionSample::default(),
-            axes: *start,
-            settled_cycles: 0,
+        if self.fault == Fault::Unreachable {
+            return held;
         }
-    }
-
-    /// The set-point of the approach that takes effect at `tick`; with the feed-forward, the robot is on the
-    /// path then, without it, it lags behind.
-    fn approach_height(&self, settings: &Settings, tick: i64, lead: i64, feed_forward: bool) -> f64 {
-        let point = self.path_point(settings, tick, lead);
-        if feed_forward {
-            self.start_height_m
-                - self
-                    .dynamics
-                    .inverse(point.distance, point.speed, point.acceleration)
-        } else {
-            self.start_height_m - point.distance
-        }
-    }
-
-    /// The point of the approach whose set-point takes effect at `tick`.
-    fn path_point(&self, settings: &Settings, tick: i64, lead: i64) -> PathPoint {
-        match (self.start_tick, self.contact) {
-            (Some(start), None) => self
-                .path
-                .at((tick - start - lead * settings.period_ticks) as f64 * TICK_S),
-            _ => PathPoint::default(),
-        }
-    }
-
-    /// The share of the posture that is taken at `tick`, spread over the tilt time from the contact on.
-    fn tilt(&self, settings: &Settings, tick: i64, lead: i64) -> f64 {
-        let Some(contact) = self.contact else {
-            return 0.0;
+        let Ok((set_points, bound)) = motion.set_points(&self.settings, tick, actual, &self.commanded) else {
+            self.phase = ControllerPhase::Fault;
+            self.fault = Fault::Unreachable;
+            return held;
         };
-        let time = (tick - contact.cycle_tick - lead * settings.period_ticks) as f64 * TICK_S;
-        let share = spread(time, settings.controller.tilt_time_s);
-        self.dynamics
-            .inverse(share.distance, share.speed, share.acceleration)
+        if bound {
+            self.limits |= status::LIMIT_LEAD;
+        }
+        self.commanded = set_points[0];
+        set_points
     }
 }

@@ -55,6 +55,11 @@ impl EncoderHistory {
         younger + (older - younger) * (age - whole)
     }
 
+    /// The newest axes, whenever they were read: what a controller without time stamps would use.
+    pub fn newest(&self) -> Axes {
+        self.ring[0]
+    }
+
     fn push(&mut self, utime: i64, axes: Axes) {
         let missing = match self.newest_utime {
             None => 1,

@@ -2,7 +2,7 @@
 
 use crate::Controller;
 use nalgebra::Vector3;
-use spatial::kinematics::{Axes, Gantry};
+use spatial::kinematics::Axes;
 use spatial::ports::{
     Authenticity, Command, ControllerStatus, Detection, HORIZON, ImpactAssessment, ParameterAnswer, Role,
     Stamp,
@@ -35,7 +35,7 @@ impl Controller {
             object_known: false,
             object_pose: Pose::identity(),
             object_velocity: Vector3::zeros(),
-            tcp_pose: Gantry.forward(&self.start),
+            tcp_pose: settings.kinematics.forward(&self.start),
             wrench: Wrench::default(),
             desired_wrench: settings.desired,
             force_error_n: 0.0,
@@ -61,19 +61,18 @@ impl Controller {
         let Some(motion) = &self.motion else {
             return status;
         };
-        let r_from_s = Gantry.forward(&motion.axes);
-        status.tcp_pose = motion.posture.deflected_tcp(&r_from_s, &motion.newest.deflection);
-        status.wrench = self.contact_wrench(&motion.newest.deflection);
-        status.detection.statistic_n = motion.force_n;
-        status.detection.threshold_n = motion.detector.threshold_n();
-        status.force_error_n = motion.force_n - settings.task.desired_force_n;
-        if motion.newest.flags.saturated {
+        status.tcp_pose = motion.tcp_pose(settings);
+        status.wrench = self.contact_wrench(motion.deflection());
+        status.detection.statistic_n = motion.force_n();
+        status.detection.threshold_n = motion.threshold_n();
+        status.force_error_n = motion.force_n() - settings.task.desired_force_n;
+        if motion.saturated() {
             status.limits |= LIMIT_DEFLECTION;
         }
-        if let Some(contact) = &motion.contact {
-            status.detection.contact_step = contact.sample_tick;
+        if let Some(contact_tick) = motion.contact_tick() {
+            status.detection.contact_step = contact_tick;
         }
-        if let Some(height) = motion.object.height_m() {
+        if let Some(height) = motion.object_height_m() {
             status.object_known = true;
             status.object_pose = status.tcp_pose;
             status.object_pose.translation.vector.z = height;

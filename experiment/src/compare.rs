@@ -1,7 +1,7 @@
 //! Every law on every plant over contact phases and seeds, in process and on all cores.
 
 use crate::in_process;
-use crate::metrics::{Metrics, Recording};
+use crate::metrics::{Metrics, Recording, WINDOW_S};
 use crate::table::Row;
 use node::scenario::{Scenario, ScenarioError};
 use rayon::prelude::*;
@@ -80,8 +80,8 @@ pub enum NoFigures {
     },
     /// It ended too early.
     #[error(
-        "contact at {contact_s:.3} s and end at {duration_s} s leave less than the judged window; \
-         raise timing.duration_s"
+        "contact at {contact_s:.3} s and end at {duration_s} s leave less than the \
+         {WINDOW_S} s that are judged; raise timing.duration_s"
     )]
     TooShort {
         /// First contact, s.
@@ -203,11 +203,6 @@ pub fn variations(scenario: &Scenario, phases: usize, seeds: usize) -> Vec<Scena
     all
 }
 
-/// Run all `variations` and summarise their figures; `None` where a run gave none.
-pub fn summarise(variations: &[Scenario]) -> Option<Summary> {
-    Summary::of(&outcomes(variations, || ()))
-}
-
 /// The figures of all `variations` in their order, calling `done` after every run. They do not depend on the
 /// number of threads.
 pub fn outcomes(variations: &[Scenario], done: impl Fn() + Sync) -> Vec<Result<Metrics, NoFigures>> {
@@ -266,6 +261,41 @@ mod tests {
             "{failures:?}"
         );
         assert!(failures[2].starts_with("law proposed on"), "{failures:?}");
+    }
+
+    /// PLANT.md section 6, rigid: peak at most 17 N, settled within 60 ms.
+    #[test]
+    fn the_arm_with_rigid_gears_attains_what_the_gantry_must() {
+        let arm = crate::scenarios::Source::find("arm")
+            .unwrap()
+            .scenario(&[])
+            .unwrap();
+        let Summary { worst, .. } = Summary::of(&outcomes(&variations(&arm, 8, 1), || ())).unwrap();
+        assert!(
+            worst.peak_n <= 17.0 && worst.settling_10_s <= 0.060 && worst.iae_n_s <= 0.32,
+            "{worst:?}"
+        );
+    }
+
+    #[test]
+    fn every_kinematics_runs_on_every_scenario() {
+        let both = Matrix {
+            kinematics: vec!["gantry".to_owned(), "arm".to_owned()],
+            seeds: 1,
+            ..matrix(&["proposed"], 1)
+        };
+        for name in crate::scenarios::names() {
+            let scenario = crate::scenarios::Source::find(name)
+                .unwrap()
+                .scenario(&[])
+                .unwrap();
+            let comparison = both.run(&scenario, || ()).unwrap();
+            assert_eq!(
+                (comparison.rows.len(), comparison.failures.len()),
+                (2, 0),
+                "{name}"
+            );
+        }
     }
 
     #[test]

@@ -1,19 +1,20 @@
 //! The three programs as child processes: started, watched, and stopped whatever happens.
 
+mod child;
+mod error;
+
+pub use error::LaunchError;
+
 use crate::transcript::{self, Entry};
+use child::{Node, how};
 use crossbeam::channel::Receiver;
 use crossbeam::select;
-use lcmtypes::{Lcm, LcmBuilder, LcmError, LogError, Subscription};
+use lcmtypes::{Lcm, LcmBuilder, Subscription};
 use node::clock;
 use node::greeting::role_name;
 use spatial::ports::{Fault, NodeState, NodeStatus, Role};
-use std::io::{BufRead, BufReader};
-use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Which LCM URL each process uses for the device channels and for the simulated world.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,72 +42,6 @@ pub struct Plan {
     pub run_id: i64,
     /// Where each node's record goes, as [`Plan::record`].
     pub directory: PathBuf,
-}
-
-/// Why a run ended before its scenario was over.
-#[derive(Debug, thiserror::Error)]
-pub enum LaunchError {
-    /// A program can't be started.
-    #[error("can't start {}: {source}; build all programs with `cargo build --release`", path.display())]
-    Start {
-        /// The program.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// The nodes' status can't be heard.
-    #[error(transparent)]
-    Lcm(#[from] LcmError),
-    /// A process ended on its own.
-    #[error("{} died ({status}) at tick {tick}; its last message: {last}", role_name(*role))]
-    Died {
-        /// Which.
-        role: Role,
-        /// How.
-        status: String,
-        /// Tick that it or the run had reached.
-        tick: i64,
-        /// Its last words on stderr.
-        last: String,
-    },
-    /// A process has latched a fault.
-    #[error(
-        "{} latched {fault:?} at tick {tick} (peer {}, expected {expected}, found {found}); its last message: {last}",
-        role_name(*role), role_name(*peer)
-    )]
-    Faulty {
-        /// Which.
-        role: Role,
-        /// The fault.
-        fault: Fault,
-        /// When.
-        tick: i64,
-        /// Whom it concerns.
-        peer: Role,
-        /// What was expected.
-        expected: i64,
-        /// What was found.
-        found: i64,
-        /// Its last words on stderr.
-        last: String,
-    },
-    /// A process is not heard of.
-    #[error(
-        "{} has not been heard of for {seconds} s; `touchdown doctor` checks whether multicast works here",
-        role_name(*role)
-    )]
-    Silent {
-        /// Which.
-        role: Role,
-        /// For how long.
-        seconds: u64,
-    },
-    /// A node's record can't be read.
-    #[error(transparent)]
-    Log(#[from] LogError),
-    /// A signal asked to end.
-    #[error("interrupted")]
-    Interrupted,
 }
 
 /// How long a started process may take to be heard of, and how long a running one may stay silent.
@@ -154,15 +89,6 @@ pub struct Cell {
     nodes: Vec<Node>,
     _link: Lcm,
     statuses: Subscription<NodeStatus>,
-}
-
-struct Node {
-    role: Role,
-    child: Child,
-    last_words: Arc<Mutex<String>>,
-    listener: Option<JoinHandle<()>>,
-    status: Option<NodeStatus>,
-    heard: Instant,
 }
 
 impl Cell {
@@ -302,100 +228,6 @@ impl Drop for Cell {
     }
 }
 
-impl Node {
-    fn start(plan: &Plan, role: Role) -> Result<Self, LaunchError> {
-        let path = plan.programs.join(role_name(role));
-        let index = role as usize;
-        let mut command = Command::new(&path);
-        command
-            .arg("--scenario")
-            .arg(&plan.scenario)
-            .args(["--url", &plan.wiring.device[index]])
-            .args(["--sim-url", &plan.wiring.world[index]])
-            .args(["--run-id", &plan.run_id.to_string()])
-            .arg("--record")
-            .arg(plan.record(role))
-            .arg("--with-parent")
-            .args(plan.overrides.iter().flat_map(|change| ["--set", change]));
-        if std::env::var_os("RUST_LOG").is_none() {
-            command.env("RUST_LOG", "warn");
-        }
-        command
-            .stdin(Stdio::null())
-            .stdout(Stdio::null())
-            .stderr(Stdio::piped());
-        let start = |source| LaunchError::Start {
-            path: path.clone(),
-            source,
-        };
-        let mut child = command.spawn().map_err(start)?;
-        let last_words = Arc::new(Mutex::new(String::new()));
-        let listener = child.stderr.take().map(|stderr| {
-            let words = last_words.clone();
-            std::thread::spawn(move || {
-                for line in BufReader::new(stderr).lines().map_while(Result::ok) {
-                    eprintln!("{}: {line}", role_name(role));
-                    *words.lock().unwrap_or_else(PoisonError::into_inner) = line;
-                }
-            })
-        });
-        Ok(Self {
-            role,
-            child,
-            last_words,
-            listener,
-            status: None,
-            heard: clock::now(),
-        })
-    }
-
-    fn last_words(&self) -> String {
-        let words = self.last_words.lock().unwrap_or_else(PoisonError::into_inner);
-        if words.is_empty() {
-            return "none".to_owned();
-        }
-        words.trim().to_owned()
-    }
-
-    fn listen_to_the_end(&mut self) {
-        if let Some(listener) = self.listener.take() {
-            let _ = listener.join();
-        }
-    }
-
-    fn signal(&self, signal: rustix::process::Signal) {
-        let id = i32::try_from(self.child.id())
-            .ok()
-            .and_then(rustix::process::Pid::from_raw);
-        if let Some(id) = id {
-            // It may have ended already.
-            let _ = rustix::process::kill_process(id, signal);
-        }
-    }
-
-    /// Wait for the end of the process; kill it at `give_up`.
-    fn wait_until(&mut self, give_up: Instant) -> Option<ExitStatus> {
-        let never = crossbeam::channel::never::<()>();
-        loop {
-            match self.child.try_wait() {
-                Ok(Some(status)) => {
-                    self.listen_to_the_end();
-                    return Some(status);
-                }
-                Ok(None) if clock::now() < give_up => {
-                    let _ = never.recv_timeout(Duration::from_millis(2));
-                }
-                _ => {
-                    let _ = self.child.kill();
-                    let _ = self.child.wait();
-                    self.listen_to_the_end();
-                    return None;
-                }
-            }
-        }
-    }
-}
-
 /// Where the programs of this workspace are: beside the running one, or one directory above a test.
 pub fn programs() -> std::io::Result<PathBuf> {
     let own = std::env::current_exe()?;
@@ -404,12 +236,4 @@ pub fn programs() -> std::io::Result<PathBuf> {
         return Ok(directory.parent().unwrap_or(directory).to_owned());
     }
     Ok(directory.to_owned())
-}
-
-fn how(status: ExitStatus) -> String {
-    match (status.code(), status.signal()) {
-        (Some(code), _) => format!("exit code {code}"),
-        (None, Some(signal)) => format!("signal {signal}"),
-        (None, None) => "unknown end".to_owned(),
-    }
 }

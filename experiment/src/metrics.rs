@@ -8,7 +8,7 @@ use spatial::ports::{ControllerStatus, Truth};
 use spatial::{TICK_S, rotation};
 
 /// How long after the first contact is judged, s.
-const WINDOW_S: f64 = 1.5;
+pub const WINDOW_S: f64 = 1.5;
 /// The end of that window, over which steady values are averaged, s.
 const STEADY_S: f64 = 0.3;
 
@@ -156,7 +156,7 @@ impl Recording {
     pub fn csv(&self) -> String {
         let mut text = String::from("time_s,force_n,contact_force_n,orientation_rad\n");
         let contact = self.first_contact_s.unwrap_or(0.0);
-        let forces = self.force_curve().map(|curve| curve.force_n).unwrap_or_default();
+        let forces = self.forces().unwrap_or_default();
         let before = self
             .ticks
             .first()
@@ -176,26 +176,32 @@ impl Recording {
         self.first_contact_s
     }
 
-    /// The force `(s_t,z - mean at standstill) / C_tcp,zz` over time, from the true motion before any signal
-    /// chain; `None` without contact.
+    /// The force over time after the first contact; `None` without contact.
+    pub fn force_curve(&self) -> Option<ForceCurve> {
+        let contact = self.first_contact_s?;
+        Some(ForceCurve {
+            time_s: self.ticks.iter().map(|sample| sample.time_s - contact).collect(),
+            force_n: self.forces()?,
+        })
+    }
+
+    /// The force `(s_t,z - mean at standstill) / C_tcp,zz` (N) at each tick, from the true motion before any signal
+    /// chain; `None` before the standstill is recorded.
     ///
     /// Deviates from PLANT.md: C_tcp,zz = 1/K_p + (l_x^2 + l_y^2)/K_phi with the lever l of the *hanging* tool
     /// (28.05 instead of 28.27 um/N), which agrees with the true contact force at rest.
-    pub fn force_curve(&self) -> Option<ForceCurve> {
-        let contact = self.first_contact_s?;
+    fn forces(&self) -> Option<Vec<f64>> {
         let standstill = self.standstill()?;
         let count = standstill.len() as f64;
         let zero = standstill.iter().map(|sample| sample.deflection_z_m).sum::<f64>() / count;
         let lever = standstill[0].rotation * self.tcp_in_s;
         let compliance = 1.0 / self.stiffness_n_per_m + lever.xy().norm_squared() / self.stiffness_nm_per_rad;
-        Some(ForceCurve {
-            time_s: self.ticks.iter().map(|sample| sample.time_s - contact).collect(),
-            force_n: self
-                .ticks
+        Some(
+            self.ticks
                 .iter()
                 .map(|sample| (sample.deflection_z_m - zero) / compliance)
                 .collect(),
-        })
+        )
     }
 
     /// The figures; `None` without contact or with less than the judged window recorded after it.

@@ -74,7 +74,7 @@ impl RunPort {
             match Heard::within(ear, patience) {
                 Ok(None) => {}
                 Ok(Some(heard)) => return Err(RunPortError::Foreign { port, heard, quiet }),
-                Err(source) => return Err(RunPortError::Deaf { port, source }),
+                Err(error) => return Err(RunPortError::Deaf { port, error }),
             }
         }
         Ok(Self { port, _locks: locks })
@@ -102,16 +102,16 @@ fn url(port: u16) -> String {
 }
 
 fn lock(port: u16) -> Result<TcpListener, RunPortError> {
-    TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|source| match source.kind() {
+    TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(|error| match error.kind() {
         ErrorKind::AddrInUse => RunPortError::Locked { port },
-        _ => RunPortError::NoLock { port, source },
+        _ => RunPortError::NoLock { port, error },
     })
 }
 
 fn open(port: u16) -> Result<UdpSocket, RunPortError> {
-    receiver(port).map_err(|source| match source.kind() {
+    receiver(port).map_err(|error| match error.kind() {
         ErrorKind::AddrInUse => RunPortError::Taken { port },
-        _ => RunPortError::Deaf { port, source },
+        _ => RunPortError::Deaf { port, error },
     })
 }
 
@@ -237,25 +237,25 @@ pub enum RunPortError {
     NoneFree,
     /// The lock could not be taken for another reason.
     #[error(
-        "can't lock port {port} (tcp 127.0.0.1:{port}): {source}; is loopback up (`sudo ip link set lo up`)? \
+        "can't lock port {port} (tcp 127.0.0.1:{port}): {error}; is loopback up (`sudo ip link set lo up`)? \
          `touchdown doctor` examines this host"
     )]
     NoLock {
         /// The port.
         port: u16,
         /// What the system said.
-        source: io::Error,
+        error: io::Error,
     },
     /// Multicast cannot be received.
     #[error(
-        "can't receive multicast group {GROUP} on udp port {port}: {source}{}; `touchdown doctor` examines this host",
-        route_remedy(source)
+        "can't receive multicast group {GROUP} on udp port {port}: {error}{}; `touchdown doctor` examines this host",
+        route_remedy(error)
     )]
     Deaf {
         /// The port.
         port: u16,
         /// What the system said.
-        source: io::Error,
+        error: io::Error,
     },
 }
 

@@ -133,8 +133,8 @@ impl Column {
 mod tests {
     use super::*;
 
-    const PD: [f64; 7] = [22.13, 0.1314, 0.1961, 0.6183, -0.0021, 5.3849e-3, 11.2e-6];
-    const PD_WORST: [f64; 7] = [23.04, 0.1389, 0.2123, 0.6511, -0.0112, 5.5111e-3, 31.2e-6];
+    const PD: [f64; 7] = [22.13, 0.1314, 0.1961, 0.6183, -0.0021, 5.3849e-3, 0.2512e-3];
+    const PD_WORST: [f64; 7] = [23.04, 0.1389, 0.2123, 0.6511, -0.0112, 5.5111e-3, 0.3121e-3];
     const PROPOSED: [f64; 7] = [9.98, 0.0489, 0.0761, 0.2203, -0.0004, 4.1e-3, 10e-6];
 
     fn row(law: &str, runs: usize, mean: [f64; 7], worst: [f64; 7]) -> Row {
@@ -156,8 +156,8 @@ mod tests {
             Table(&rows).to_string(),
             "\
 robot  kinematics  law            peak N   set10 ms    set2 ms        IAE N s   steady error N  orientation max mrad       end mrad
-rigid  gantry      pd        22.1 (23.0)  131 (139)  196 (212)  0.618 (0.651)  -0.002 (-0.011)           5.38 (5.51)  0.011 (0.031)
-rigid  gantry      proposed  10.0 (10.0)    49 (49)    76 (76)  0.220 (0.220)    0.000 (0.000)           4.10 (4.10)  0.010 (0.010)
+rigid  gantry      pd        22.1 (23.0)  131 (139)  196 (212)  0.618 (0.651)  -0.002 (-0.011)           5.38 (5.51)  0.251 (0.312)
+rigid  gantry      proposed  10.0 (10.0)   49  (49)   76  (76)  0.220 (0.220)   0.000  (0.000)           4.10 (4.10)  0.010 (0.010)
 "
         );
     }
@@ -169,7 +169,7 @@ rigid  gantry      proposed  10.0 (10.0)    49 (49)    76 (76)  0.220 (0.220)   
             Table(&rows).to_string(),
             "\
 robot  kinematics  law       peak N  set10 ms  set2 ms  IAE N s  steady error N  orientation max mrad  end mrad
-rigid  gantry      pd          22.1       131      196    0.618          -0.002                  5.38     0.011
+rigid  gantry      pd          22.1       131      196    0.618          -0.002                  5.38     0.251
 rigid  gantry      proposed    10.0        49       76    0.220           0.000                  4.10     0.010
 "
         );
@@ -183,9 +183,9 @@ rigid  gantry      proposed    10.0        49       76    0.220           0.000 
             concat!(
                 r#"{"robot":"rigid","kinematics":"gantry","law":"pd","runs":36,"#,
                 r#""mean":{"peak_n":22.13,"settling_10_s":0.1314,"settling_2_s":0.1961,"iae_n_s":0.6183,"#,
-                r#""steady_error_n":-0.0021,"orientation_max_rad":0.0053849,"orientation_end_rad":1.12e-5},"#,
+                r#""steady_error_n":-0.0021,"orientation_max_rad":0.0053849,"orientation_end_rad":0.0002512},"#,
                 r#""worst":{"peak_n":23.04,"settling_10_s":0.1389,"settling_2_s":0.2123,"iae_n_s":0.6511,"#,
-                r#""steady_error_n":-0.0112,"orientation_max_rad":0.0055111,"orientation_end_rad":3.12e-5}}"#
+                r#""steady_error_n":-0.0112,"orientation_max_rad":0.0055111,"orientation_end_rad":0.0003121}}"#
             )
         );
     }

@@ -4,7 +4,7 @@
 //! There everything moves along z, so that the robot is one mass. All runs replay the commands of the first one:
 //! a contact shifted by 20 us would otherwise flip a sample and move the IAE by 3 %.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use experiment::in_process::{self, Tick};
 use experiment::metrics::{Metrics, Recording};
@@ -57,15 +57,15 @@ impl Whole {
         let start = Vector3::from(scenario.task.start_position_m) - Vector3::from(scenario.tool.tcp_in_s_m);
         let link = Motion::at_rest(Pose::from_parts(start.into(), Default::default()));
         let body = Body::new(&scenario.tool, &scenario.sensor);
-        let inertia = robot.motor_inertia_kg_m2[2] + robot.link_inertia_kg_m2[2];
+        let inertia = robot.gantry.motor_inertia_kg_m2[2] + robot.gantry.link_inertia_kg_m2[2];
         let servo = ServoParameters {
             filter_rad_per_s: TAU * robot.filter_frequency_hz,
             filter_damping: robot.filter_damping,
-            acceleration_limit: robot.acceleration_limit_rad_per_s2[2],
-            velocity_limit: robot.velocity_limit_rad_per_s[2],
+            acceleration_limit: robot.gantry.acceleration_limit_rad_per_s2[2],
+            velocity_limit: robot.gantry.velocity_limit_rad_per_s[2],
             position_gain: robot.position_gain_per_s,
             velocity_gain: ServoParameters::velocity_gain(
-                robot.motor_inertia_kg_m2[2],
+                robot.gantry.motor_inertia_kg_m2[2],
                 robot.velocity_bandwidth_hz,
             ),
             integral_time_s: robot.velocity_integral_time_s,

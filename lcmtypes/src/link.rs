@@ -3,7 +3,7 @@
 use crate::error::{LcmError, Refusal};
 use crate::liblcm::{Handle, Inbox};
 use crate::message::{Encoded, Message};
-use crate::multicast;
+use crate::multicast::{self, LONGEST_NAME};
 use crate::router::{RawMessage, Router, Subscription};
 use crate::tally::{Counters, Tally};
 use crate::url::Url;
@@ -12,9 +12,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
-
-/// Longest name of a channel, bytes.
-const LONGEST_NAME: usize = 63;
 
 /// A link that is not started: the time to subscribe.
 pub struct LcmBuilder {

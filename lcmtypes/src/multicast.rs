@@ -17,7 +17,7 @@ use std::time::Duration;
 /// First four bytes of a message of a single packet, "LC02".
 const SHORT: [u8; 4] = *b"LC02";
 /// Longest name of a channel, bytes.
-const LONGEST_NAME: usize = 63;
+pub(crate) const LONGEST_NAME: usize = 63;
 /// Largest UDP packet.
 const LARGEST_PACKET: usize = 65_536;
 /// Bound of a wait for a packet; `interrupt` ends it sooner.

@@ -42,6 +42,11 @@ impl CommandPath {
         }
     }
 
+    /// The set-point that the horizon of a command issued at `tick` follows.
+    pub fn before(&self, tick: i64) -> Axes {
+        self.get(tick / self.period + self.delay_periods)
+    }
+
     /// The set-point at `tick`. Beyond the last horizon: its last set-point.
     pub fn at(&self, tick: i64) -> Axes {
         let index = tick.div_euclid(self.period);

@@ -4,20 +4,25 @@
 //! and the controller's commands for the coming tick. The encoders see the motor side; the link's motion travels
 //! to the sensor's simulator only.
 
+pub mod arm_links;
 pub mod command_path;
-pub mod gantry;
+pub mod dynamics;
+pub mod gears;
+pub mod guard;
+pub mod links;
 pub mod servo;
 
 use command_path::CommandPath;
-use gantry::{Dynamics, State};
-use node::scenario::{self, Scenario};
+use dynamics::{Dynamics, State};
+use guard::{Guard, Refusal};
+use node::scenario::{Drives, Robot, Scenario};
 use servo::{Servo, ServoParameters};
-use spatial::kinematics::{Axes, Gantry};
+use spatial::kinematics::Axes;
 use spatial::ports::{
-    Authenticity, Check, ClockEcho, Command, ENCODER_SAMPLES, Fault, LinkMotion, RobotMode, RobotState, Role,
-    Stamp, ToolMotion,
+    Authenticity, ClockEcho, Command, ENCODER_SAMPLES, Fault, LinkMotion, RobotMode, RobotState, Role, Stamp,
+    ToolMotion,
 };
-use spatial::{Motion, Pose, TICK_S};
+use spatial::{Motion, TICK_S};
 use std::f64::consts::TAU;
 
 /// The robot at one tick.
@@ -29,8 +34,7 @@ pub struct RobotSim {
     dynamics: Dynamics,
     step_s: f64,
     steps_per_tick: usize,
-    axis_minimum: Axes,
-    axis_maximum: Axes,
+    guard: Guard,
     state: State,
     servos: [Servo; 6],
     path: CommandPath,
@@ -47,35 +51,42 @@ pub struct RobotSim {
 
 impl RobotSim {
     /// The scenario's robot at rest at its start pose, tick 0.
+    ///
+    /// Where it can't reach that pose (which reading a scenario refuses), it stands at home with the fault latched.
     pub fn new(scenario: &Scenario) -> Self {
         let robot = &scenario.robot;
-        let position = start_axes(scenario);
-        let state = State {
-            position,
-            velocity: Axes::zeros(),
+        let start = scenario.start_axes();
+        let (mode, fault) = match start {
+            Ok(_) => (RobotMode::Idle, Fault::None),
+            Err(_) => (RobotMode::Fault, Fault::Unreachable),
         };
+        let dynamics = Dynamics::new(scenario);
+        let position = start.unwrap_or_else(|_| dynamics.kinematics.home());
+        let (drives, link_inertia) = (robot.drives(), dynamics.links.axis_inertia());
         let steps = libm::rint(TICK_S / robot.integration_step_s).max(1.0);
         let period = scenario.timing.command_period_ticks;
         Self {
             seed: scenario.timing.seed,
             tick: 0,
             period,
-            dynamics: Dynamics::new(scenario),
+            dynamics,
             step_s: TICK_S / steps,
             steps_per_tick: steps as usize,
-            axis_minimum: robot.axis_minimum_rad.into(),
-            axis_maximum: robot.axis_maximum_rad.into(),
-            state,
-            servos: std::array::from_fn(|axis| Servo::new(servo_parameters(robot, axis), position[axis])),
+            guard: Guard::new(scenario),
+            state: State::at_rest(position),
+            servos: std::array::from_fn(|axis| {
+                let parameters = servo_parameters(robot, &drives, axis, link_inertia[axis]);
+                Servo::new(parameters, position[axis])
+            }),
             path: CommandPath::new(period, robot.command_delay_periods, position),
             encoder: [position; ENCODER_SAMPLES],
             setpoint: position,
-            link: Motion::at_rest(Gantry.forward(&position)),
+            link: Motion::at_rest(dynamics.kinematics.forward(&position)),
             motor_work_j: 0.0,
             command_step: -1,
             missed_commands: 0,
-            mode: RobotMode::Idle,
-            fault: Fault::None,
+            mode,
+            fault,
             fault_axis: -1,
         }
     }
@@ -96,9 +107,9 @@ impl RobotSim {
             stamp: self.stamp(),
             motion: self.link,
             kinetic_energy_j: self.dynamics.kinetic_energy(&self.state),
-            elastic_energy_j: 0.0,
+            elastic_energy_j: self.dynamics.elastic_energy(&self.state),
             motor_work_j: self.motor_work_j,
-            dissipated_energy_j: 0.0,
+            dissipated_energy_j: self.state.dissipated_j,
         }
     }
 
@@ -108,7 +119,7 @@ impl RobotSim {
             stamp: self.stamp(),
             sample_count: (self.tick + 1).clamp(1, ENCODER_SAMPLES as i64) as i32,
             axis_position: self.encoder,
-            axis_velocity: self.state.velocity,
+            axis_velocity: self.state.motor_velocity,
             axis_setpoint: self.setpoint,
             mode: self.mode,
             fault: self.fault,
@@ -122,8 +133,8 @@ impl RobotSim {
 
     /// Integrate over the coming tick, with the tool's motion now and the command, if one has come.
     ///
-    /// A command that is not finite or leaves the axis limits is not executed: the fault latches, the robot
-    /// holds the last good set-point.
+    /// A command that can't be executed ([`guard`]) is not executed in part either: the fault latches, and the robot
+    /// follows the last good command's horizon to its end and holds.
     pub fn advance(&mut self, tool: &ToolMotion, command: Option<&Command>) {
         match command {
             Some(command) => self.take(command),
@@ -134,8 +145,8 @@ impl RobotSim {
         let torque = Axes::from_fn(|axis, _| {
             self.servos[axis].torque(
                 self.setpoint[axis],
-                self.state.position[axis],
-                self.state.velocity[axis],
+                self.state.motor_position[axis],
+                self.state.motor_velocity[axis],
             )
         });
         for i in 0..self.steps_per_tick {
@@ -151,16 +162,17 @@ impl RobotSim {
             .link_motion(&self.state, &torque, &tool.motion.extrapolate(TICK_S));
         self.tick += 1;
         self.encoder.rotate_right(1);
-        self.encoder[0] = self.state.position;
+        self.encoder[0] = self.state.motor_position;
     }
 
     fn take(&mut self, command: &Command) {
         if self.mode == RobotMode::Fault || !command.enable {
             return;
         }
-        if let Some(axis) = self.refused_axis(command) {
+        let judged = self.guard.judge(&self.path.before(self.tick), command);
+        if let Err(Refusal { fault, axis }) = judged {
             self.mode = RobotMode::Fault;
-            self.fault = Fault::CommandInvalid;
+            self.fault = fault;
             self.fault_axis = axis;
             return;
         }
@@ -169,48 +181,22 @@ impl RobotSim {
         self.path.accept(self.tick, command);
     }
 
-    /// The first axis whose set-points can't be executed.
-    fn refused_axis(&self, command: &Command) -> Option<i32> {
-        let finite = command.check().is_ok();
-        (0..6)
-            .find(|&axis| {
-                let limits = self.axis_minimum[axis]..=self.axis_maximum[axis];
-                !finite
-                    || command
-                        .axis_position
-                        .iter()
-                        .any(|setpoint| !limits.contains(&setpoint[axis]))
-            })
-            .map(|axis| axis as i32)
-    }
-
     fn stamp(&self) -> Stamp {
         Stamp::lockstep(self.tick, self.seed, Role::Robot)
     }
 }
 
-/// The axes at which the nominal tcp is at the task's start position, s parallel to r.
-pub fn start_axes(scenario: &Scenario) -> Axes {
-    let tcp: nalgebra::Vector3<f64> = scenario.tool.tcp_in_s_m.into();
-    let start: nalgebra::Vector3<f64> = scenario.task.start_position_m.into();
-    Gantry.inverse(&Pose::translation(
-        start.x - tcp.x,
-        start.y - tcp.y,
-        start.z - tcp.z,
-    ))
-}
-
-fn servo_parameters(robot: &scenario::Robot, axis: usize) -> ServoParameters {
-    let motor = robot.motor_inertia_kg_m2[axis];
+fn servo_parameters(robot: &Robot, drives: &Drives, axis: usize, link_inertia: f64) -> ServoParameters {
+    let motor = drives.motor_inertia_kg_m2[axis];
     ServoParameters {
         filter_rad_per_s: TAU * robot.filter_frequency_hz,
         filter_damping: robot.filter_damping,
-        acceleration_limit: robot.acceleration_limit_rad_per_s2[axis],
-        velocity_limit: robot.velocity_limit_rad_per_s[axis],
+        acceleration_limit: drives.acceleration_limit_rad_per_s2[axis],
+        velocity_limit: drives.velocity_limit_rad_per_s[axis],
         position_gain: robot.position_gain_per_s,
         velocity_gain: ServoParameters::velocity_gain(motor, robot.velocity_bandwidth_hz),
         integral_time_s: robot.velocity_integral_time_s,
-        inertia: motor + robot.link_inertia_kg_m2[axis],
+        inertia: motor + link_inertia,
     }
 }
 

@@ -45,6 +45,22 @@ impl Motion {
             ..*self
         }
     }
+
+    /// Go over to another point of the same rigid body, at `position` in r (m).
+    pub fn carry(&mut self, position: Vector3<f64>) {
+        let lever = position - self.pose.translation.vector;
+        let spin = self.angular_velocity.cross(&lever);
+        self.pose.translation.vector = position;
+        self.velocity += spin;
+        self.acceleration += self.angular_acceleration.cross(&lever) + self.angular_velocity.cross(&spin);
+    }
+
+    /// Go over to a body that turns against this one about `axis` (unit vector in r, through the origin) with
+    /// `rate` (rad/s) and `change` (rad/s^2). The orientation is left as it is.
+    pub fn turn(&mut self, axis: Vector3<f64>, rate: f64, change: f64) {
+        self.angular_acceleration += axis * change + self.angular_velocity.cross(&axis) * rate;
+        self.angular_velocity += axis * rate;
+    }
 }
 
 /// The motion between two instants at which it is known: cubic Hermite interpolation of position and velocity.

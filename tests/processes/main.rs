@@ -1,5 +1,12 @@
 //! Multi-process tests over real LCM, in one binary.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
+
 mod bits;
 mod failures;
 mod runs;

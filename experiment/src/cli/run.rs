@@ -5,7 +5,7 @@ use anyhow::{Context, Result, bail};
 use crossbeam::channel::Receiver;
 use experiment::figure::{LabelledCurve, force_figure};
 use experiment::launch::{self, LaunchError, Plan, Wiring};
-use experiment::metrics::Recording;
+use experiment::metrics::{Recording, WINDOW_S};
 use experiment::run_port::RunPort;
 use experiment::table::{Row, Table};
 use experiment::transcript;
@@ -110,10 +110,12 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
         })?;
     } else {
         print(Table(&rows))?;
-        let out = args.out.display();
+        let data = |law: &String| format!("{0}.lcmlog, {0}.csv", args.out.join(law).display());
+        let data: Vec<_> = args.laws.iter().map(data).collect();
         print(format_args!(
-            "\nfigure: {}\ndata:   {out}/LAW.lcmlog, {out}/LAW.csv\n",
-            figure.display()
+            "\nfigure: {}\ndata:   {}\n",
+            figure.display(),
+            data.join(", ")
         ))?;
     }
     Ok(ExitCode::SUCCESS)
@@ -133,44 +135,22 @@ fn experiment_of(
     let (recording, measured) = Recording::from_transcript(scenario, &entries);
     let csv = plan.directory.join(format!("{law}.csv"));
     fs::write(&csv, recording.csv()).with_context(|| format!("can't write {}", csv.display()))?;
-    let (Some(metrics), Some(curve), Some(measured)) =
-        (recording.metrics(), recording.force_curve(), measured)
+    let Some(curve) = measured.and_then(|measured| LabelledCurve::new(law, scenario, &recording, measured))
     else {
         bail!(
-            "law {law}: no contact, or less than 1.5 s after it, within {} s; raise timing.duration_s or \
+            "law {law}: no contact, or less than {WINDOW_S} s after it, within {} s; raise timing.duration_s or \
              task.search_depth_m; the data are in {}",
             scenario.timing.duration_s,
             plan.directory.display()
         );
     };
-    let row = Row::single(
-        &word(scenario.robot.gears),
-        &word(scenario.robot.kinematics),
-        law,
-        metrics,
-    );
-    let curve = LabelledCurve {
-        law: law.to_owned(),
-        title: title(law),
-        desired_force_n: scenario.task.desired_force_n,
-        curve,
-        measured,
-        metrics,
-    };
-    Ok((row, curve))
+    let (gears, kinematics) = (word(scenario.robot.gears), word(scenario.robot.kinematics));
+    Ok((Row::single(&gears, &kinematics, law, curve.metrics), curve))
 }
 
 /// A choice as the scenario spells it: `Rigid` is `rigid`.
 fn word(choice: impl std::fmt::Debug) -> String {
     format!("{choice:?}").to_lowercase()
-}
-
-fn title(law: &str) -> String {
-    match law {
-        "pd" => "pd, eq. (1)".to_owned(),
-        "proposed" => "proposed, eqs. (2), (9)-(12)".to_owned(),
-        other => other.to_owned(),
-    }
 }
 
 /// On a terminal, and nowhere else.

@@ -1,7 +1,8 @@
 //! The encodings as they have always been. A change here breaks every log and every other program:
 //! `UPDATE_GOLDEN=1 cargo test -p lcmtypes` writes the files anew, and PROTOCOL must count up.
 
-use crate::samples::{Counting, Sample, for_all_messages};
+use crate::draw::Counting;
+use crate::samples::{Sample, for_all_messages};
 use lcmtypes::{CHANNELS, Message};
 use spatial::ports::*;
 use std::collections::BTreeMap;

@@ -1,7 +1,8 @@
 //! Python's LCM 1.5.3 reads what Rust writes and the other way round, through a log and over multicast.
 
+use crate::draw::Counting;
 use crate::link::next;
-use crate::samples::{Counting, Sample, for_all_messages};
+use crate::samples::{Sample, for_all_messages};
 use crate::{expect, golden, udpm_url};
 use lcmtypes::{EventLogReader, EventLogWriter, LcmBuilder, Message};
 use spatial::ports::*;

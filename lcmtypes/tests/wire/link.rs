@@ -1,6 +1,7 @@
 //! Publishing and receiving, in memory and over multicast.
 
-use crate::samples::{Counting, Sample};
+use crate::draw::Counting;
+use crate::samples::Sample;
 use crate::{expect, udpm_url};
 use crossbeam::select;
 use lcmtypes::{LcmBuilder, LcmError, Message, RawMessage, Received, Refusal, Subscription};

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
 mod constants;
+mod draw;
 mod event_log;
 mod golden;
 mod hostile;

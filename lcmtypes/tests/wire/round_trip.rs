@@ -1,6 +1,7 @@
 //! What goes out comes in, to the bit; what can't be used is refused and says why.
 
-use crate::samples::{Arbitrary, Counting, Sample, for_all_messages};
+use crate::draw::{Arbitrary, Counting};
+use crate::samples::{Sample, for_all_messages};
 use lcmtypes::{DecodeError, Message, Unusable};
 use proptest::prelude::*;
 use spatial::ports::*;

@@ -1,7 +1,8 @@
 //! Values that are fine alone and can't be together.
 
+mod steps;
+
 use super::{Scenario, value::decimal};
-use spatial::TICK_S;
 
 /// Values that can't be together.
 pub(super) struct Conflict {
@@ -10,52 +11,6 @@ pub(super) struct Conflict {
     /// What is wrong, the limit and the remedy.
     pub(super) text: String,
 }
-
-/// Largest angle by which the fastest motion of the tool may advance in one integration step, rad; the classical
-/// Runge-Kutta method becomes unstable at 2.8.
-const STEP_ANGLE_RAD: f64 = 1.0;
-
-/// What the fastest motion depends on.
-const FASTEST_BY: &[&str] = &[
-    "sensor.integration_step_s",
-    "tool.mass_kg",
-    "tool.inertia_kg_m2",
-    "tool.centre_of_mass_in_s_m",
-    "tool.tcp_in_s_m",
-    "sensor.stiffness_n_per_m",
-    "sensor.stiffness_nm_per_rad",
-    "sensor.damping_ns_per_m",
-    "sensor.damping_nms_per_rad",
-    "sensor.end_stop_n_per_m",
-    "sensor.end_stop_nm_per_rad",
-    "object.indentation_n_per_m",
-    "object.rebound_ratio",
-    "object.friction",
-    "object.friction_speed_m_per_s",
-    "object.support_n_per_m",
-    "object.support_ns_per_m",
-    "object.support_mass_kg",
-];
-
-/// The same while nothing slides.
-const SMOOTH_BY: &[&str] = &[
-    "sensor.smooth_step_s",
-    "tool.mass_kg",
-    "tool.inertia_kg_m2",
-    "tool.centre_of_mass_in_s_m",
-    "tool.tcp_in_s_m",
-    "sensor.stiffness_n_per_m",
-    "sensor.stiffness_nm_per_rad",
-    "sensor.damping_ns_per_m",
-    "sensor.damping_nms_per_rad",
-    "sensor.end_stop_n_per_m",
-    "sensor.end_stop_nm_per_rad",
-    "object.indentation_n_per_m",
-    "object.rebound_ratio",
-    "object.support_n_per_m",
-    "object.support_ns_per_m",
-    "object.support_mass_kg",
-];
 
 /// What the sensor's translation under load depends on.
 const DEFLECTED_BY: &[&str] = &[
@@ -75,11 +30,11 @@ const TURNED_BY: &[&str] = &[
     "task.desired_force_n",
 ];
 
-struct Conflicts(Vec<Conflict>);
+pub(super) struct Conflicts(Vec<Conflict>);
 
 impl Conflicts {
     /// Notes the conflict of `keys` unless `holds`.
-    fn require(&mut self, holds: bool, keys: &'static [&'static str], text: String) {
+    pub(super) fn require(&mut self, holds: bool, keys: &'static [&'static str], text: String) {
         if !holds {
             self.0.push(Conflict { keys, text });
         }
@@ -109,21 +64,6 @@ impl Scenario {
                 "controller.tare_s is {} s, longer than task.standstill_s, {} s; tare within the standstill",
                 short(tare),
                 short(standstill),
-            ),
-        );
-
-        let [speed, limit] = [
-            task.approach_speed_m_per_s,
-            self.robot.velocity_limit_rad_per_s[2],
-        ];
-        conflicts.require(
-            speed <= limit,
-            &["task.approach_speed_m_per_s", "robot.velocity_limit_rad_per_s"],
-            format!(
-                "task.approach_speed_m_per_s is {} m/s, above robot.velocity_limit_rad_per_s[2], {} rad/s (of 1 m \
-                 each); approach more slowly",
-                short(speed),
-                short(limit),
             ),
         );
 
@@ -162,119 +102,6 @@ impl Scenario {
                 short(tcp),
             ),
         );
-    }
-
-    fn check_axes(&self, conflicts: &mut Conflicts) {
-        let Self {
-            robot, task, tool, ..
-        } = self;
-        let [x, y, z] = std::array::from_fn(|i| task.start_position_m[i] - tool.tcp_in_s_m[i]);
-        let start = [x, y, z, 0.0, 0.0, 0.0];
-        for (i, start) in start.into_iter().enumerate() {
-            let [low, high] = [robot.axis_minimum_rad[i], robot.axis_maximum_rad[i]];
-            conflicts.require(
-                low < high,
-                &["robot.axis_minimum_rad", "robot.axis_maximum_rad"],
-                format!(
-                    "robot.axis_minimum_rad[{i}] is {} rad, not below robot.axis_maximum_rad[{i}], {} rad; leave \
-                     the axis room to move",
-                    short(low),
-                    short(high),
-                ),
-            );
-            conflicts.require(
-                low >= high || (low..=high).contains(&start),
-                &[
-                    "task.start_position_m",
-                    "robot.axis_minimum_rad",
-                    "robot.axis_maximum_rad",
-                    "tool.tcp_in_s_m",
-                ],
-                format!(
-                    "task.start_position_m puts axis {i} at {} rad, outside robot.axis_minimum_rad[{i}] to \
-                     robot.axis_maximum_rad[{i}], {}..={} rad; start elsewhere or widen the axis",
-                    short(start),
-                    short(low),
-                    short(high),
-                ),
-            );
-        }
-
-        let [end, low] = [
-            task.expected_height_m - task.search_depth_m - tool.tcp_in_s_m[2],
-            robot.axis_minimum_rad[2],
-        ];
-        conflicts.require(
-            low >= self.robot.axis_maximum_rad[2] || end >= low,
-            &["task.search_depth_m", "task.expected_height_m", "robot.axis_minimum_rad", "tool.tcp_in_s_m"],
-            format!(
-                "task.search_depth_m ends the search with axis 2 at {} rad, below robot.axis_minimum_rad[2], {} rad; \
-                 search less deep or widen the axis",
-                short(end),
-                short(low),
-            ),
-        );
-    }
-
-    fn check_steps(&self, conflicts: &mut Conflicts) {
-        let sensor = &self.sensor;
-        let steps: [(&'static [&'static str], f64, f64, &str); 3] = [
-            (
-                &["robot.integration_step_s"],
-                self.robot.integration_step_s,
-                TICK_S,
-                "the tick of",
-            ),
-            (
-                &["sensor.smooth_step_s"],
-                sensor.smooth_step_s,
-                TICK_S,
-                "the tick of",
-            ),
-            (
-                &["sensor.integration_step_s", "sensor.smooth_step_s"],
-                sensor.integration_step_s,
-                sensor.smooth_step_s,
-                "sensor.smooth_step_s,",
-            ),
-        ];
-        for (key, step, whole, name) in steps {
-            let count = whole / step;
-            conflicts.require(
-                count > 0.5 && (count - count.round()).abs() <= 1e-9 * count,
-                key,
-                format!(
-                    "{} is {} s, no whole fraction of {name} {} s; choose that over a whole number, such as {} s",
-                    key[0],
-                    short(step),
-                    short(whole),
-                    short(whole / finer(count)),
-                ),
-            );
-        }
-
-        let steps: [(&'static [&'static str], f64, f64); 2] = [
-            (
-                FASTEST_BY,
-                sensor.integration_step_s,
-                self.fastest_rad_per_s(true),
-            ),
-            (SMOOTH_BY, sensor.smooth_step_s, self.fastest_rad_per_s(false)),
-        ];
-        for (keys, step, fastest) in steps {
-            conflicts.require(
-                step * fastest <= STEP_ANGLE_RAD,
-                keys,
-                format!(
-                    "{} is {} s, too long for a tool that moves at up to {} rad/s between sensor and object; choose \
-                     at most {} s, a heavier tool, or less stiffness and damping",
-                    keys[0],
-                    short(step),
-                    short(fastest),
-                    short(STEP_ANGLE_RAD / fastest),
-                ),
-            );
-        }
     }
 
     fn check_profile(&self, conflicts: &mut Conflicts) {
@@ -336,15 +163,7 @@ impl Scenario {
     }
 }
 
-/// The next number of steps per tick, from `count` on, that makes each a whole number of nanoseconds.
-fn finer(count: f64) -> f64 {
-    let mut counts = count.ceil() as u32..=1_000_000;
-    counts
-        .find(|count| 1_000_000 % count == 0)
-        .map_or(count, f64::from)
-}
-
 /// `value` with as many digits as a reader needs.
-fn short(value: f64) -> String {
+pub(super) fn short(value: f64) -> String {
     decimal(&format!("{value:.5e}").parse().unwrap_or(value))
 }

@@ -17,6 +17,8 @@ pub enum Kinematics {
     /// Six decoupled axes at the origin of s.
     #[default]
     Gantry,
+    /// Six revolute joints in series, KUKA KR 16-2 class.
+    Arm,
 }
 
 /// What joins an axis's motor and its link.
@@ -25,6 +27,28 @@ pub enum Gears {
     /// Nothing that yields: motor and link are one mass.
     #[default]
     Rigid,
+    /// A spring and a damper each: the encoders see the motor, the tool hangs on the link.
+    Elastic,
+}
+
+/// Which actual pose is taken to belong to a deflection.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pairing {
+    /// The one at the deflection's sampling instant.
+    #[default]
+    Sampling,
+    /// The one that arrived last.
+    Arrival,
+}
+
+/// What a compliant sensor puts out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SensorOutput {
+    /// Deflections.
+    #[default]
+    Deflection,
+    /// Forces and moments, computed with the sensor's own calibration.
+    Force,
 }
 
 /// What of the tool may touch the object.
@@ -55,14 +79,14 @@ pub(super) trait Choice: Debug {
 }
 
 macro_rules! choice {
-    ($type:ident: $($word:literal => $variant:ident),+; planned: $($planned:literal),*) => {
+    ($type:ident: $($word:literal => $variant:ident),+ $(; planned: $($planned:literal),+)?) => {
         impl Choice for $type {
             fn words(&self) -> &'static [&'static str] {
                 &[$($word),+]
             }
 
             fn planned(&self) -> &'static [&'static str] {
-                &[$($planned),*]
+                &[$($($planned),+)?]
             }
 
             fn word(&self) -> &'static str {
@@ -82,7 +106,9 @@ macro_rules! choice {
 }
 
 choice!(TimingMode: "lockstep" => Lockstep; planned: "realtime");
-choice!(Kinematics: "gantry" => Gantry; planned: "arm");
-choice!(Gears: "rigid" => Rigid; planned: "elastic");
-choice!(ToolShape: "point" => Point, "face" => Face, "peg" => Peg; planned:);
-choice!(Law: "pd" => Pd, "proposed" => Proposed; planned: "literal", "pd-reset", "elastic", "ros2", "fzi");
+choice!(Kinematics: "gantry" => Gantry, "arm" => Arm);
+choice!(Gears: "rigid" => Rigid, "elastic" => Elastic);
+choice!(Pairing: "sampling" => Sampling, "arrival" => Arrival);
+choice!(SensorOutput: "deflection" => Deflection, "force" => Force);
+choice!(ToolShape: "point" => Point, "face" => Face, "peg" => Peg);
+choice!(Law: "pd" => Pd, "proposed" => Proposed, "literal" => Literal; planned: "pd-reset", "elastic", "ros2", "fzi");

@@ -13,14 +13,17 @@ mod error;
 mod estimate;
 mod hash;
 mod names;
+mod reach;
 mod read;
+mod robot;
 mod schema;
 #[cfg(test)]
 mod tests;
 mod value;
 
-pub use choice::{Gears, Kinematics, TimingMode, ToolShape};
+pub use choice::{Gears, Kinematics, Pairing, SensorOutput, TimingMode, ToolShape};
 pub use error::ScenarioError;
+pub use robot::Drives;
 pub use schema::{Allowed, Key};
 pub use spatial::ports::Law;
 
@@ -52,24 +55,14 @@ impl Timing {
 }
 
 schema::section! {
-    /// The robot as it is: six axes and their position controller.
-    Robot at "robot" {
-        /// From axis angles to the pose of s.
+    /// The robot as it is: six axes, their gears and their position controller.
+    Robot at "robot" with gantry: Gantry, arm: Arm {
+        /// From axis angles to the pose of s; its axes are those of `[robot.gantry]` or `[robot.arm]`.
         kinematics: Kinematics = Kinematics::Gantry;
         /// What joins motor and link.
         gears: Gears = Gears::Rigid;
-        /// Inertia of each axis on the motor's side.
-        motor_inertia_kg_m2: [f64; 6] = [120.0, 120.0, 120.0, 4.0, 4.0, 4.0], in 1e-3..=1e4;
-        /// Inertia of each axis on the link's side.
-        link_inertia_kg_m2: [f64; 6] = [60.0, 60.0, 60.0, 2.0, 2.0, 2.0], in 1e-3..=1e4;
-        /// Lower end of each axis.
-        axis_minimum_rad: [f64; 6] = [-1.0, -1.0, -1.0, -1.5, -1.5, -1.5], in -100.0..=100.0;
-        /// Upper end of each axis.
-        axis_maximum_rad: [f64; 6] = [1.0, 1.0, 1.0, 1.5, 1.5, 1.5], in -100.0..=100.0;
-        /// Velocity that the command filter does not exceed.
-        velocity_limit_rad_per_s: [f64; 6] = [1.0, 1.0, 1.0, 2.0, 2.0, 2.0], in 1e-3..=100.0;
-        /// Acceleration that the command filter does not exceed.
-        acceleration_limit_rad_per_s2: [f64; 6] = [5.0, 5.0, 5.0, 30.0, 30.0, 30.0], in 0.01..=1e4;
+        /// Damping ratio of every elastic gear with its motor locked.
+        gear_damping: f64 = 0.02, in 0.0..=2.0;
         /// Periods T from a command to its effect, n_d.
         command_delay_periods: i64 = 2, in 0..=10;
         /// Natural frequency of the command filter.
@@ -84,6 +77,62 @@ schema::section! {
         velocity_integral_time_s: f64 = 0.03, in 1e-3..=100.0;
         /// Step of the axes' integration, a whole fraction of 1 ms.
         integration_step_s: f64 = 1e-4, in 1e-6..=1e-3;
+    }
+}
+
+schema::section! {
+    /// The axes of the gantry: three of translation (1 rad is 1 m) and three of rotation.
+    Gantry at "robot.gantry" {
+        /// Inertia of each axis on the motor's side.
+        motor_inertia_kg_m2: [f64; 6] = [120.0, 120.0, 120.0, 4.0, 4.0, 4.0], in 1e-3..=1e4;
+        /// Inertia of each axis on the link's side.
+        link_inertia_kg_m2: [f64; 6] = [60.0, 60.0, 60.0, 2.0, 2.0, 2.0], in 1e-3..=1e4;
+        /// Natural frequency of each link on its elastic gear, motor locked.
+        gear_frequency_hz: [f64; 6] = [14.0, 14.0, 14.0, 20.0, 20.0, 20.0], in 0.5..=500.0;
+        /// Lower end of each axis.
+        axis_minimum_rad: [f64; 6] = [-1.0, -1.0, -1.0, -1.5, -1.5, -1.5], in -100.0..=100.0;
+        /// Upper end of each axis.
+        axis_maximum_rad: [f64; 6] = [1.0, 1.0, 1.0, 1.5, 1.5, 1.5], in -100.0..=100.0;
+        /// Velocity that the command filter does not exceed.
+        velocity_limit_rad_per_s: [f64; 6] = [1.0, 1.0, 1.0, 2.0, 2.0, 2.0], in 1e-3..=100.0;
+        /// Acceleration that the command filter does not exceed.
+        acceleration_limit_rad_per_s2: [f64; 6] = [5.0, 5.0, 5.0, 30.0, 30.0, 30.0], in 0.01..=1e4;
+    }
+}
+
+schema::section! {
+    /// The joints and links of the arm, KUKA KR 16-2 class; its lengths are fixed. A link's frame lies in its joint,
+    /// parallel to the base's when all joints are at zero and the arm is stretched along x.
+    Arm at "robot.arm" {
+        /// Origin of the base in r; it stands parallel to r.
+        base_position_m: [f64; 3] = [-1.0, 0.0, -0.72], in -10.0..=10.0;
+        /// Inertia of each motor, seen from its joint.
+        motor_inertia_kg_m2: [f64; 6] = [100.0, 100.0, 50.0, 2.4, 2.4, 1.0], in 1e-3..=1e4;
+        /// Natural frequency of each joint on its elastic gear, motor and all other joints locked, in the working
+        /// posture.
+        gear_frequency_hz: [f64; 6] = [14.0, 15.0, 17.0, 20.0, 22.0, 25.0], in 0.5..=500.0;
+        /// Lower end of each joint.
+        axis_minimum_rad: [f64; 6] = [-3.22886, -2.70526, -2.26893, -6.10865, -2.26893, -6.10865], in -100.0..=100.0;
+        /// Upper end of each joint.
+        axis_maximum_rad: [f64; 6] = [3.22886, 0.61087, 2.68781, 6.10865, 2.26893, 6.10865], in -100.0..=100.0;
+        /// Velocity that the command filter does not exceed.
+        velocity_limit_rad_per_s: [f64; 6] = [2.72271, 2.72271, 2.72271, 5.75959, 5.75959, 10.73377], in 1e-3..=100.0;
+        /// Acceleration that the command filter does not exceed.
+        acceleration_limit_rad_per_s2: [f64; 6] = [7.5, 7.5, 10.0, 30.0, 30.0, 45.0], in 0.01..=1e4;
+        /// Mass of each link.
+        link_mass_kg: [f64; 6] = [45.0, 24.0, 46.0, 25.0, 12.0, 12.0], in 1e-3..=1e4;
+        /// Centres of mass in the links' frames along x.
+        link_centre_x_m: [f64; 6] = [0.08, 0.27, 0.17, -0.2, 0.0, 0.06], in -5.0..=5.0;
+        /// Centres of mass in the links' frames along y.
+        link_centre_y_m: [f64; 6] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0], in -5.0..=5.0;
+        /// Centres of mass in the links' frames along z.
+        link_centre_z_m: [f64; 6] = [-0.1, 0.0, 0.03, 0.0, 0.0, 0.0], in -5.0..=5.0;
+        /// Inertia of each link about the x axis through its centre of mass; the frame's axes are its principal ones.
+        link_inertia_x_kg_m2: [f64; 6] = [2.5, 0.3, 0.8, 0.12, 0.1, 0.5], in 1e-7..=1e4;
+        /// Inertia of each link about the y axis through its centre of mass.
+        link_inertia_y_kg_m2: [f64; 6] = [2.5, 1.4, 4.5, 0.9, 0.45, 0.65], in 1e-7..=1e4;
+        /// Inertia of each link about the z axis through its centre of mass.
+        link_inertia_z_kg_m2: [f64; 6] = [2.0, 1.4, 4.5, 0.9, 0.45, 0.65], in 1e-7..=1e4;
     }
 }
 
@@ -250,6 +299,10 @@ schema::section! {
     Controller at "controller" with pd: Pd, proposed: Proposed {
         /// Control law.
         law: Law = Law::Proposed;
+        /// Which actual pose is taken to belong to a deflection.
+        pairing: Pairing = Pairing::Sampling;
+        /// Which output of the sensor is used.
+        sensor_output: SensorOutput = SensorOutput::Deflection;
         /// How long the deflection is averaged at standstill to become zero force.
         tare_s: f64 = 0.2, in 1e-3..=60.0;
         /// Assumed translational compliance of the sensor.
@@ -272,7 +325,9 @@ schema::section! {
         detection_threshold_n: f64 = 0.82, in 1e-3..=1e4;
         /// Force at the tcp per acceleration of the motion, by which that threshold is raised while the robot
         /// accelerates: the tool's inertia deflects the sensor too.
-        apparent_mass_kg: f64 = 3.0, in 0.0..=1e5;
+        apparent_mass_kg: f64 = 4.0, in 0.0..=1e5;
+        /// How fast that rise fades: as long as tool and gears ring on.
+        detection_fading_s: f64 = 0.2, in 1e-3..=10.0;
         /// Deviation from the desired force within which the force counts as settled.
         settled_band_n: f64 = 0.5, in 1e-3..=1e4;
         /// Time over which the tilt to the desired posture is spread after contact.
@@ -286,9 +341,9 @@ schema::section! {
     /// The law `pd`, eq. (1).
     Pd at "controller.pd" {
         /// Proportional gain K.
-        proportional_m_per_n: f64 = 2.6e-6, in 0.0..=1e-2;
+        proportional_m_per_n: f64 = 2.75e-6, in 0.0..=1e-2;
         /// Derivative gain D.
-        derivative_m_per_n: f64 = 10.5e-6, in 0.0..=1e-2;
+        derivative_m_per_n: f64 = 11.5e-6, in 0.0..=1e-2;
     }
 }
 

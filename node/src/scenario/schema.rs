@@ -271,6 +271,7 @@ mod tests {
             plain,
             [
                 "timing.seed",
+                "robot.gear_damping",
                 "robot.filter_damping",
                 "sensor.wrench_measured",
                 "object.rebound_ratio",

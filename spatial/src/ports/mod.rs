@@ -5,21 +5,22 @@
 
 mod authenticity;
 mod command;
+mod controller;
+mod fault;
+mod node;
 mod robot;
 mod sensor;
 mod simulation;
-mod status;
 mod task;
 
 pub use authenticity::Authenticity;
 pub use command::{Command, HORIZON};
+pub use controller::{ControllerPhase, ControllerStatus, Detection, ImpactAssessment, Law};
+pub use fault::Fault;
+pub use node::{Hello, Latencies, LinkQuality, NodeState, NodeStatus, PROTOCOL, Role};
 pub use robot::{ClockEcho, ENCODER_SAMPLES, RobotMode, RobotState};
 pub use sensor::{DEFLECTION_SAMPLES, DeflectionSample, Deflections, ObjectPose, SampleFlags};
 pub use simulation::{LinkMotion, ToolMotion, Truth};
-pub use status::{
-    ControllerPhase, ControllerStatus, Detection, Fault, Hello, ImpactAssessment, Latencies, Law,
-    LinkQuality, NodeState, NodeStatus, PROTOCOL, Role,
-};
 pub use task::{ParameterAnswer, Task, TaskAction, TaskParameters};
 
 use crate::{Pose, elastic::components};
@@ -160,7 +161,7 @@ macro_rules! wire_enum {
                 self as i32
             }
 
-            /// The name of the wire's constant, in lower case.
+            /// The variant's name.
             pub fn name(self) -> &'static str {
                 match self {
                     $(Self::$variant => stringify!($variant),)*

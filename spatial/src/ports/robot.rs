@@ -1,6 +1,6 @@
 //! `ROBOT_STATE`: what the encoders read.
 
-use super::{Authenticity, Check, Invalid, Stamp, finite, in_range, status::Fault, wire_enum};
+use super::{Authenticity, Check, Fault, Invalid, Stamp, finite, in_range, wire_enum};
 use crate::kinematics::Axes;
 
 /// Encoder samples in one message, one tick apart.

@@ -26,11 +26,11 @@ fn a_conflict_is_reported_where_its_first_key_was_given_last() {
 fn the_approach_is_within_the_robots_speed() {
     assert_eq!(
         refusal(
-            "task.approach_speed_m_per_s = 1\nrobot.velocity_limit_rad_per_s = [1, 1, 0.5, 1, 1, 1]",
+            "task.approach_speed_m_per_s = 1\nrobot.gantry.velocity_limit_rad_per_s = [1, 1, 0.5, 1, 1, 1]",
             &[]
         ),
-        "a.toml:1:6: task.approach_speed_m_per_s is 1 m/s, above robot.velocity_limit_rad_per_s[2], 0.5 rad/s (of \
-         1 m each); approach more slowly"
+        "a.toml:1:6: task.approach_speed_m_per_s is 1 m/s and turns axis 2 with 1 rad/s, above \
+         robot.gantry.velocity_limit_rad_per_s[2], 0.5 rad/s; approach more slowly"
     );
 }
 
@@ -52,19 +52,49 @@ fn the_tool_starts_above_the_search_and_the_object() {
 #[test]
 fn the_axes_reach_start_and_search() {
     assert_eq!(
-        refusal("", &["robot.axis_minimum_rad=[-1, -1, 1, -1, -1, -1]"]),
-        "--set robot.axis_minimum_rad=[-1, -1, 1, -1, -1, -1]: robot.axis_minimum_rad[2] is 1 rad, not below \
-         robot.axis_maximum_rad[2], 1 rad; leave the axis room to move"
+        refusal("", &["robot.gantry.axis_minimum_rad=[-1, -1, 1, -1, -1, -1]"]),
+        "--set robot.gantry.axis_minimum_rad=[-1, -1, 1, -1, -1, -1]: robot.gantry.axis_minimum_rad[2] is 1 rad, not \
+         below robot.gantry.axis_maximum_rad[2], 1 rad; leave the axis room to move"
     );
     assert_eq!(
         refusal(
             "task.start_position_m = [1.2, 0, 0.03]\ntask.search_depth_m = 1\ntool.tcp_in_s_m = [0.1, 0, 0.1]",
             &[]
         ),
-        "a.toml:1:6: task.start_position_m puts axis 0 at 1.1 rad, outside robot.axis_minimum_rad[0] to \
-         robot.axis_maximum_rad[0], -1..=1 rad; start elsewhere or widen the axis\n\
-         a.toml:2:6: task.search_depth_m ends the search with axis 2 at -1.1 rad, below robot.axis_minimum_rad[2], \
-         -1 rad; search less deep or widen the axis"
+        "a.toml:1:6: task.start_position_m puts axis 0 at 1.1 rad, outside robot.gantry.axis_minimum_rad[0] to \
+         robot.gantry.axis_maximum_rad[0], -1..=1 rad; start elsewhere or widen the axis\n\
+         a.toml:2:6: task.search_depth_m ends the search with axis 2 at -1.1 rad, outside \
+         robot.gantry.axis_minimum_rad[2] to robot.gantry.axis_maximum_rad[2], -1..=1 rad; search less deep or widen \
+         the axis"
+    );
+}
+
+#[test]
+fn the_arm_reaches_start_and_search_fast_enough() {
+    let arm = "robot.kinematics = 'arm'\n";
+    let message = refusal(&format!("{arm}task.start_position_m = [1.0, 0, 0.03]"), &[]);
+    assert!(
+        message.starts_with("a.toml:2:6: task.start_position_m can't be reached: the pose is "),
+        "{message}"
+    );
+    let message = refusal(
+        &format!("{arm}robot.arm.axis_maximum_rad = [3, 0.6, 1.9, 6, 2, 6]"),
+        &[],
+    );
+    assert_eq!(
+        message,
+        "a.toml:2:11: task.start_position_m puts axis 2 at 1.91969 rad, outside robot.arm.axis_minimum_rad[2] to \
+         robot.arm.axis_maximum_rad[2], -2.26893..=1.9 rad; start elsewhere or widen the axis"
+    );
+    let message = refusal(
+        &format!("{arm}task.approach_speed_m_per_s = 1"),
+        &["robot.arm.velocity_limit_rad_per_s=[1, 1, 1, 1, 1, 1]"],
+    );
+    assert!(
+        message.contains(
+            "and turns axis 4 with 1.61648 rad/s, above robot.arm.velocity_limit_rad_per_s[4], 1 rad/s"
+        ),
+        "{message}"
     );
 }
 
@@ -84,6 +114,21 @@ fn the_integration_steps_divide_the_tick_and_resolve_the_tool() {
         refusal("sensor.smooth_step_s = 2e-4", &[]),
         "a.toml:1:8: sensor.smooth_step_s is 0.0002 s, too long for a tool that moves at up to 5987.5 rad/s between \
          sensor and object; choose at most 0.000167015 s, a heavier tool, or less stiffness and damping"
+    );
+}
+
+#[test]
+fn the_integration_step_resolves_the_gears() {
+    assert_eq!(
+        refusal(
+            "",
+            &[
+                "robot.gears=elastic",
+                "robot.gantry.gear_frequency_hz=[14, 14, 14, 20, 20, 500]"
+            ]
+        ),
+        "--set robot.gears=elastic: robot.integration_step_s is 0.0001 s, too long for gears that swing with up to \
+         500 Hz; choose at most 8.91268e-5 s, or softer gears"
     );
 }
 

@@ -3,7 +3,7 @@
 use super::refusal;
 use crate::scenario::{Scenario, schema::Entry};
 
-const SECTIONS: &str = "[timing], [robot], [sensor], [tool], [object], [task], [controller], [controller.pd], \
+const SECTIONS: &str = "[timing], [robot], [robot.gantry], [robot.arm], [sensor], [tool], [object], [task], [controller], [controller.pd], \
                         [controller.proposed]";
 
 const OBJECT_KEYS: &str = "height_m, indentation_n_per_m, rebound_ratio, exponent, friction, friction_speed_m_per_s, origin_m, \
@@ -81,7 +81,7 @@ fn values_of_the_wrong_type() {
         ),
         "a.toml:2:23: robot.filter_frequency_hz is \"fast\", not a finite number; choose a value in 0.1..=200 Hz\n\
          a.toml:3:25: robot.command_delay_periods is 2.5, not an integer; choose a value in 0..=10 periods\n\
-         a.toml:4:9: robot.gears is true, not a word; choose \"rigid\""
+         a.toml:4:9: robot.gears is true, not a word; choose \"rigid\" or \"elastic\""
     );
     assert_eq!(
         refusal("[tool]\ntcp_in_s_m = 0.1\ninertia_kg_m2 = [1, 2]", &[]),
@@ -113,14 +113,14 @@ fn values_of_the_wrong_type() {
 fn values_out_of_range() {
     assert_eq!(
         refusal(
-            "[robot]\nfilter_frequency_hz = 1500.0\nmotor_inertia_kg_m2 = [1, 1, -1, 1, 1, nan]",
+            "[robot]\nfilter_frequency_hz = 1500.0\ngantry.motor_inertia_kg_m2 = [1, 1, -1, 1, 1, nan]",
             &[]
         ),
         "a.toml:2:23: robot.filter_frequency_hz is 1500 Hz, above the limit of 200 Hz; choose a value in \
          0.1..=200 Hz\n\
-         a.toml:3:30: robot.motor_inertia_kg_m2[2] is -1 kg m^2, below the limit of 0.001 kg m^2; choose a value \
+         a.toml:3:37: robot.gantry.motor_inertia_kg_m2[2] is -1 kg m^2, below the limit of 0.001 kg m^2; choose a value \
          in 0.001..=10000 kg m^2\n\
-         a.toml:3:40: robot.motor_inertia_kg_m2[5] is nan, not a finite number; choose a value in \
+         a.toml:3:47: robot.gantry.motor_inertia_kg_m2[5] is nan, not a finite number; choose a value in \
          0.001..=10000 kg m^2"
     );
     assert_eq!(
@@ -144,8 +144,6 @@ fn words_that_are_unknown_and_words_that_are_planned() {
     );
     let planned = [
         ("timing.mode", "realtime"),
-        ("robot.kinematics", "arm"),
-        ("robot.gears", "elastic"),
         ("controller.law", "literal"),
         ("controller.law", "pd-reset"),
         ("controller.law", "elastic"),

@@ -1,13 +1,8 @@
-//! From axis angles to the pose of the sensor frame s, and back.
-//!
-//! Every robot here has six axes, and an axis coordinate is always an angle in rad: the gantry's linear axes are
-//! driven by rack and pinion of radius 1 m, so that 1 rad is 1 m.
+//! Six decoupled axes: the reference case.
 
+use super::{Axes, join, split};
 use crate::{Motion, Pose, rotation};
-use nalgebra::{Matrix6, UnitQuaternion, Vector3, Vector6};
-
-/// Six axis coordinates, velocities or accelerations: rad, rad/s, rad/s^2.
-pub type Axes = Vector6<f64>;
+use nalgebra::Matrix6;
 
 /// Six decoupled axes at the origin of s: three of translation (x, y, z) and one rotation vector.
 ///
@@ -56,28 +51,6 @@ impl Gantry {
             angular_acceleration: jacobian * turn_change + coriolis,
         }
     }
-}
-
-/// Position-like and rotation-like halves of six axis values.
-pub fn split(axes: &Axes) -> (Vector3<f64>, Vector3<f64>) {
-    (
-        axes.fixed_rows::<3>(0).into_owned(),
-        axes.fixed_rows::<3>(3).into_owned(),
-    )
-}
-
-/// The six axis values of a translation and a rotation vector.
-pub fn join(translation: Vector3<f64>, turn: Vector3<f64>) -> Axes {
-    let mut axes = Axes::zeros();
-    axes.fixed_rows_mut::<3>(0).copy_from(&translation);
-    axes.fixed_rows_mut::<3>(3).copy_from(&turn);
-    axes
-}
-
-/// The unit quaternion from components (w, x, y, z) as they are, without renormalising (that would change bits).
-pub fn quaternion(components: [f64; 4]) -> UnitQuaternion<f64> {
-    let [w, x, y, z] = components;
-    UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, x, y, z))
 }
 
 #[cfg(test)]

@@ -1,0 +1,75 @@
+//! The controller on a robot that follows ideally.
+
+use super::*;
+use spatial::ports::{
+    Authenticity, ClockEcho, DEFLECTION_SAMPLES, ENCODER_SAMPLES, RobotMode, Role, SampleFlags, Stamp,
+};
+
+fn state(tick: i64, axes: Axes) -> RobotState {
+    RobotState {
+        stamp: Stamp::lockstep(tick, 1, Role::Robot),
+        sample_count: 1,
+        axis_position: [axes; ENCODER_SAMPLES],
+        axis_velocity: Axes::zeros(),
+        axis_setpoint: axes,
+        mode: RobotMode::Following,
+        fault: Fault::None,
+        fault_axis: -1,
+        command_step: -1,
+        missed_commands: 0,
+        echo: ClockEcho::default(),
+        authenticity: Authenticity::default(),
+    }
+}
+
+fn undeflected(tick: i64) -> Deflections {
+    let sample = DeflectionSample {
+        utime: tick * spatial::TICK_US,
+        flags: SampleFlags {
+            valid: true,
+            ..SampleFlags::default()
+        },
+        ..DeflectionSample::default()
+    };
+    Deflections {
+        stamp: Stamp::lockstep(tick, 1, Role::Sensor),
+        samples: [sample; DEFLECTION_SAMPLES],
+        echo: ClockEcho::default(),
+        authenticity: Authenticity::default(),
+    }
+}
+
+/// On the way down, forearm and tool align 0.83 m below the start (a wrist singularity): it stops before, and says why.
+#[test]
+fn what_the_arm_cannot_reach_is_a_fault_and_it_holds() {
+    let mut scenario = Scenario::default();
+    scenario.robot.kinematics = scenario::Kinematics::Arm;
+    scenario.task.expected_height_m = -2.0;
+    scenario.task.approach_speed_m_per_s = 0.5;
+    scenario.controller.max_lead_m = 0.1;
+    let mut controller = Controller::new(&scenario);
+    let mut axes = scenario.start_axes().unwrap();
+    let kinematics = scenario.robot.kinematics();
+    let mut fault_tick = None;
+    for tick in (0..8000).step_by(4) {
+        let outputs = controller.cycle(&state(tick, axes), &undeflected(tick));
+        let [next, .., last] = outputs.command.axis_position;
+        assert!(
+            (next - axes).amax() < 0.1,
+            "tick {tick}: a jump of {} rad",
+            (next - axes).amax()
+        );
+        if outputs.status.fault != Fault::None {
+            assert_eq!(outputs.status.fault, Fault::Unreachable);
+            assert_eq!(outputs.status.phase, ControllerPhase::Fault);
+            assert!(fault_tick.is_none_or(|_| next == axes) && next == last);
+            fault_tick = fault_tick.or(Some(tick));
+        }
+        axes = next;
+    }
+    let height = kinematics.forward(&axes).translation.vector.z;
+    assert!(
+        fault_tick.is_some() && (-0.66..-0.64).contains(&height),
+        "{height} m"
+    );
+}

@@ -1,0 +1,215 @@
+//! The panels of the figure, drawn with plotters.
+
+use super::{BAND, LabelledCurve, TIME_S, points};
+use crate::metrics::Metrics;
+use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::ops::Range;
+
+/// Plotters rounds to whole pixels: draw larger by this and let the viewer scale.
+const SCALE: i32 = 8;
+/// Size of the figure and of its parts, px.
+const WIDTH: i32 = 800;
+const LEGEND_HEIGHT: i32 = 36;
+const PANEL_HEIGHT: i32 = 236;
+const AXIS_HEIGHT: i32 = 44;
+const TITLE_HEIGHT: i32 = 30;
+const LEFT: i32 = 66;
+const RIGHT: i32 = 16;
+const BOTTOM: i32 = 10;
+const EDGE: i32 = 8;
+/// Sizes of the letters, px.
+const LARGE: i32 = 16;
+const SMALL: i32 = 14;
+
+const INK: RGBColor = RGBColor(40, 40, 40);
+const MEASURED: RGBColor = RGBColor(150, 150, 150);
+const SHADE: RGBColor = RGBColor(232, 232, 232);
+const FAINT: RGBColor = RGBColor(205, 205, 205);
+
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+type Drawn<T = ()> = Result<T, Box<dyn std::error::Error>>;
+
+/// One panel for each of `curves`, one above the other, all of them with the forces of `force_n`: the SVG.
+pub(super) fn draw(curves: &[LabelledCurve], force_n: &Range<f64>) -> Drawn<String> {
+    let height = LEGEND_HEIGHT + PANEL_HEIGHT * curves.len() as i32 + AXIS_HEIGHT;
+    let mut svg = String::new();
+    let root = SVGBackend::with_string(
+        &mut svg,
+        (SCALE as u32 * WIDTH as u32, SCALE as u32 * height as u32),
+    );
+    draw_all(&root.into_drawing_area(), curves, force_n)?;
+    let size = |scale| format!(r#"width="{}" height="{}" viewBox"#, scale * WIDTH, scale * height);
+    Ok(svg.replacen(&size(SCALE), &size(1), 1))
+}
+
+fn draw_all(root: &Area<'_>, curves: &[LabelledCurve], force_n: &Range<f64>) -> Drawn {
+    root.fill(&WHITE)?;
+    let (legend, mut rest) = root.split_vertically(px(LEGEND_HEIGHT));
+    draw_legend(&legend)?;
+    for (i, curve) in curves.iter().enumerate() {
+        let last = i + 1 == curves.len();
+        let height = PANEL_HEIGHT + if last { AXIS_HEIGHT } else { 0 };
+        let (panel, below) = rest.split_vertically(px(height));
+        draw_panel(&panel, curve, colour(&curve.law, i), force_n, last)?;
+        rest = below;
+    }
+    root.present()?;
+    Ok(())
+}
+
+fn draw_panel(
+    panel: &Area<'_>,
+    curve: &LabelledCurve,
+    colour: RGBColor,
+    force_n: &Range<f64>,
+    last: bool,
+) -> Drawn {
+    let left = Pos::new(HPos::Left, VPos::Top);
+    panel.draw(&label(&curve.title, (LEFT, 6), LARGE, left, colour))?;
+    let mut chart = ChartBuilder::on(panel)
+        .margin_top(px(TITLE_HEIGHT))
+        .margin_right(px(RIGHT))
+        .margin_bottom(px(BOTTOM))
+        .margin_left(px(EDGE))
+        .y_label_area_size(px(LEFT - EDGE))
+        .x_label_area_size(px(if last { AXIS_HEIGHT } else { 0 }))
+        .build_cartesian_2d(TIME_S, force_n.clone())?;
+    let desired = curve.desired_force_n;
+    let band = [
+        (TIME_S.start, desired * (1.0 - BAND)),
+        (TIME_S.end, desired * (1.0 + BAND)),
+    ];
+    chart.draw_series([Rectangle::new(band, SHADE.filled())])?;
+    chart.draw_series([
+        line([(0.0, force_n.start), (0.0, force_n.end)], FAINT, 1),
+        line([(TIME_S.start, 0.0), (TIME_S.end, 0.0)], FAINT, 1),
+    ])?;
+    let reference = [(TIME_S.start, desired), (TIME_S.end, desired)];
+    let dashes = DashedLineSeries::new(reference, px(6), px(4), INK.stroke_width(px(1) as u32));
+    chart.draw_series(dashes)?;
+    chart.draw_series([line(points(&curve.measured), MEASURED, 1)])?;
+    chart.draw_series(points(&curve.measured).map(|point| Circle::new(point, px(2), MEASURED.filled())))?;
+    chart.draw_series([line(points(&curve.curve), colour, 2)])?;
+    draw_axes(&mut chart, last)?;
+    draw_figures(panel, &curve.metrics)
+}
+
+fn draw_axes(chart: &mut Chart<'_, '_>, last: bool) -> Drawn {
+    let text = font(SMALL).color(&INK);
+    let mut mesh = chart.configure_mesh();
+    mesh.disable_mesh()
+        .axis_style(INK.stroke_width(px(1) as u32))
+        .label_style(text.clone())
+        .axis_desc_style(text)
+        .set_all_tick_mark_size(px(4))
+        .x_labels(10)
+        .y_labels(8)
+        .x_label_formatter(&|time| whole(time * 1e3))
+        .y_label_formatter(&|force| whole(*force))
+        .y_desc("contact force, N");
+    if last {
+        mesh.x_desc("time after first contact, ms");
+    }
+    Ok(mesh.draw()?)
+}
+
+/// The figures of the run in the panel's upper right corner.
+fn draw_figures(panel: &Area<'_>, metrics: &Metrics) -> Drawn {
+    let lines = [
+        format!("peak {:.1} N", metrics.peak_n),
+        format!("within \u{b1}10 % after {:.0} ms", metrics.settling_10_s * 1e3),
+        format!("within \u{b1}2 % after {:.0} ms", metrics.settling_2_s * 1e3),
+        format!("IAE {:.3} N s", metrics.iae_n_s),
+    ];
+    let right = Pos::new(HPos::Right, VPos::Top);
+    for (i, text) in lines.iter().enumerate() {
+        let at = (WIDTH - RIGHT - 10, TITLE_HEIGHT + 8 + 19 * i as i32);
+        panel.draw(&label(text, at, SMALL, right, INK))?;
+    }
+    Ok(())
+}
+
+/// What the lines mean, in a row above the panels.
+fn draw_legend(area: &Area<'_>) -> Drawn {
+    let middle = LEGEND_HEIGHT / 2;
+    let left = Pos::new(HPos::Left, VPos::Center);
+    let entries = [
+        (LEFT, "true force"),
+        (LEFT + 130, "as the controller sees it"),
+        (LEFT + 355, "desired force"),
+        (LEFT + 500, "\u{b1}10 %"),
+    ];
+    for (i, (x, text)) in entries.into_iter().enumerate() {
+        let at = |dx, dy| (px(x + dx), px(middle + dy));
+        match i {
+            0 => area.draw(&line([at(0, 0), at(28, 0)], INK, 2))?,
+            1 => {
+                area.draw(&line([at(0, 0), at(28, 0)], MEASURED, 1))?;
+                area.draw(&Circle::new(at(14, 0), px(2), MEASURED.filled()))?;
+            }
+            2 => {
+                for dash in [0, 10, 20] {
+                    area.draw(&line([at(dash, 0), at(dash + 6, 0)], INK, 1))?;
+                }
+            }
+            _ => area.draw(&Rectangle::new([at(0, -6), at(28, 6)], SHADE.filled()))?,
+        }
+        area.draw(&label(text, (x + 35, middle), SMALL, left, INK))?;
+    }
+    Ok(())
+}
+
+/// Colours of Okabe and Ito, which people with colour-blindness tell apart.
+pub(super) fn colour(law: &str, index: usize) -> RGBColor {
+    const OTHERS: [RGBColor; 4] = [
+        RGBColor(0, 158, 115),
+        RGBColor(204, 121, 167),
+        RGBColor(230, 159, 0),
+        RGBColor(86, 180, 233),
+    ];
+    match law {
+        "proposed" => RGBColor(0, 114, 178),
+        "pd" => RGBColor(213, 94, 0),
+        _ => OTHERS[index % OTHERS.len()],
+    }
+}
+
+fn line<C>(points: impl IntoIterator<Item = C>, colour: RGBColor, width: i32) -> PathElement<C> {
+    let points: Vec<_> = points.into_iter().collect();
+    PathElement::new(points, colour.stroke_width(px(width) as u32))
+}
+
+/// With the sign that printers use.
+fn whole(value: f64) -> String {
+    format!("{value:.0}").replace('-', "\u{2212}")
+}
+
+fn font(size: i32) -> TextStyle<'static> {
+    // Plotters writes 1 / 1.24 of the size.
+    ("sans-serif", 1.24 * f64::from(px(size))).into()
+}
+
+fn label(
+    text: &str,
+    at: (i32, i32),
+    size: i32,
+    pos: Pos,
+    colour: RGBColor,
+) -> Text<'static, (i32, i32), String> {
+    let color = colour.to_backend_color();
+    let style = TextStyle {
+        color,
+        pos,
+        ..font(size)
+    };
+    Text::new(text.to_owned(), (px(at.0), px(at.1)), style)
+}
+
+/// Pixels of the figure in those that are drawn.
+fn px(pixels: i32) -> i32 {
+    SCALE * pixels
+}

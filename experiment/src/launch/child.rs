@@ -1,0 +1,125 @@
+//! One node as a child process.
+
+use super::{LaunchError, Plan};
+use node::clock;
+use node::greeting::role_name;
+use spatial::ports::{NodeStatus, Role};
+use std::io::{BufRead, BufReader};
+use std::os::unix::process::ExitStatusExt;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// A child process, what it has said, and when.
+pub(super) struct Node {
+    pub(super) role: Role,
+    pub(super) child: Child,
+    pub(super) last_words: Arc<Mutex<String>>,
+    pub(super) listener: Option<JoinHandle<()>>,
+    pub(super) status: Option<NodeStatus>,
+    pub(super) heard: Instant,
+}
+
+impl Node {
+    pub(super) fn start(plan: &Plan, role: Role) -> Result<Self, LaunchError> {
+        let path = plan.programs.join(role_name(role));
+        let index = role as usize;
+        let mut command = Command::new(&path);
+        command
+            .arg("--scenario")
+            .arg(&plan.scenario)
+            .args(["--url", &plan.wiring.device[index]])
+            .args(["--sim-url", &plan.wiring.world[index]])
+            .args(["--run-id", &plan.run_id.to_string()])
+            .arg("--record")
+            .arg(plan.record(role))
+            .arg("--with-parent")
+            .args(plan.overrides.iter().flat_map(|change| ["--set", change]));
+        if std::env::var_os("RUST_LOG").is_none() {
+            command.env("RUST_LOG", "warn");
+        }
+        command
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped());
+        let start = |source| LaunchError::Start {
+            path: path.clone(),
+            source,
+        };
+        let mut child = command.spawn().map_err(start)?;
+        let last_words = Arc::new(Mutex::new(String::new()));
+        let listener = child.stderr.take().map(|stderr| {
+            let words = last_words.clone();
+            std::thread::spawn(move || {
+                for line in BufReader::new(stderr).lines().map_while(Result::ok) {
+                    eprintln!("{}: {line}", role_name(role));
+                    *words.lock().unwrap_or_else(PoisonError::into_inner) = line;
+                }
+            })
+        });
+        Ok(Self {
+            role,
+            child,
+            last_words,
+            listener,
+            status: None,
+            heard: clock::now(),
+        })
+    }
+
+    pub(super) fn last_words(&self) -> String {
+        let words = self.last_words.lock().unwrap_or_else(PoisonError::into_inner);
+        if words.is_empty() {
+            return "none".to_owned();
+        }
+        words.trim().to_owned()
+    }
+
+    pub(super) fn listen_to_the_end(&mut self) {
+        if let Some(listener) = self.listener.take() {
+            let _ = listener.join();
+        }
+    }
+
+    pub(super) fn signal(&self, signal: rustix::process::Signal) {
+        let id = i32::try_from(self.child.id())
+            .ok()
+            .and_then(rustix::process::Pid::from_raw);
+        if let Some(id) = id {
+            // It may have ended already.
+            let _ = rustix::process::kill_process(id, signal);
+        }
+    }
+
+    /// Wait for the end of the process; kill it at `give_up`.
+    pub(super) fn wait_until(&mut self, give_up: Instant) -> Option<ExitStatus> {
+        let never = crossbeam::channel::never::<()>();
+        loop {
+            match self.child.try_wait() {
+                Ok(Some(status)) => {
+                    self.listen_to_the_end();
+                    return Some(status);
+                }
+                Ok(None) if clock::now() < give_up => {
+                    let _ = never.recv_timeout(Duration::from_millis(2));
+                }
+                _ => {
+                    let _ = self.child.kill();
+                    let _ = self.child.wait();
+                    self.listen_to_the_end();
+                    return None;
+                }
+            }
+        }
+    }
+}
+
+/// How a process ended, in words.
+pub(super) fn how(status: ExitStatus) -> String {
+    match (status.code(), status.signal()) {
+        (Some(code), _) => format!("exit code {code}"),
+        (None, Some(signal)) => format!("signal {signal}"),
+        (None, None) => "unknown end".to_owned(),
+    }
+}

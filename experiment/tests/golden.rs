@@ -1,0 +1,42 @@
+//! The bits of a run, pinned: the same in debug and release, on every x86-64 CPU (`make cpus`), today and tomorrow.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use experiment::transcript;
+use node::scenario::Scenario;
+use sha2::{Digest, Sha256};
+use std::fmt::Write;
+
+fn hash(law: &str) -> String {
+    let text = experiment::scenarios::Source::find("paper").unwrap().text;
+    let overrides = [
+        format!("controller.law={law}"),
+        "timing.duration_s=2.0".to_owned(),
+    ];
+    let scenario = Scenario::parse("paper", &text, &overrides).unwrap();
+    let mut hasher = Sha256::new();
+    for entry in transcript::in_process(&scenario).unwrap() {
+        hasher.update(entry.utime.to_be_bytes());
+        hasher.update(entry.channel.as_bytes());
+        hasher.update(&entry.bytes);
+    }
+    hasher
+        .finalize()
+        .iter()
+        .take(16)
+        .fold(String::new(), |mut text, byte| {
+            let _ = write!(text, "{byte:02x}");
+            text
+        })
+}
+
+/// Every channel of the paper's experiment, NODE_STATUS excepted. A change of a message type, of the physics or of
+/// a law changes these: say in the commit why.
+#[test]
+fn the_papers_experiment() {
+    let pinned = [
+        "0b75f8db8d2de43fccc0710af9a16122",
+        "050c38996f5e6d542cdce777181fd794",
+    ];
+    assert_eq!([hash("pd"), hash("proposed")], pinned);
+}

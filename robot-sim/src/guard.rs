@@ -1,0 +1,67 @@
+//! Which commands the robot executes, and why not the others.
+
+use node::scenario::{Drives, Scenario};
+use spatial::TICK_S;
+use spatial::kinematics::Axes;
+use spatial::ports::{Check, Command, Fault};
+
+/// How far set-points may exceed an axis's velocity limit: the command filter keeps to the limit and catches up with
+/// a short excess. Model choice: twice; beyond that a command is a mistake.
+const EXCESS: f64 = 2.0;
+
+/// What the axes can do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Guard {
+    drives: Drives,
+    period_s: f64,
+}
+
+/// Why a command is not executed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Refusal {
+    /// What is wrong with it.
+    pub fault: Fault,
+    /// The first axis concerned.
+    pub axis: i32,
+}
+
+impl Guard {
+    /// The guard of a scenario's robot.
+    pub fn new(scenario: &Scenario) -> Self {
+        Self {
+            drives: scenario.robot.drives(),
+            period_s: scenario.timing.command_period_ticks as f64 * TICK_S,
+        }
+    }
+
+    /// Whether all set-points of `command`, the first one following `previous` (rad), can be executed.
+    pub fn judge(&self, previous: &Axes, command: &Command) -> Result<(), Refusal> {
+        if command.check().is_err() {
+            let finite = |axis: &usize| command.axis_position.iter().all(|s| s[*axis].is_finite());
+            let axis = (0..6).find(|axis| !finite(axis)).unwrap_or_default();
+            return Err(refusal(Fault::CommandInvalid, axis));
+        }
+        let mut previous = *previous;
+        for setpoint in &command.axis_position {
+            for axis in 0..6 {
+                let range = self.drives.axis_minimum_rad[axis]..=self.drives.axis_maximum_rad[axis];
+                if !range.contains(&setpoint[axis]) {
+                    return Err(refusal(Fault::AxisLimit, axis));
+                }
+                let speed = libm::fabs(setpoint[axis] - previous[axis]) / self.period_s;
+                if speed > EXCESS * self.drives.velocity_limit_rad_per_s[axis] {
+                    return Err(refusal(Fault::VelocityLimit, axis));
+                }
+            }
+            previous = *setpoint;
+        }
+        Ok(())
+    }
+}
+
+fn refusal(fault: Fault, axis: usize) -> Refusal {
+    Refusal {
+        fault,
+        axis: axis as i32,
+    }
+}
