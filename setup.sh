@@ -173,7 +173,12 @@ may_install() { [ "$(id -u)" = 0 ] || have sudo; }
 unpack_lcm() {
     say "unpacking$unpack in target/lcm: installing them would install Java"
     mkdir -p target/lcm
-    (cd target/lcm && apt-get -q download $unpack && for deb in *.deb; do dpkg-deb -x "$deb" .; done && rm ./*.deb) >&2
+    (
+        cd target/lcm
+        apt-get -q -o APT::Sandbox::User=root download $unpack
+        for deb in *.deb; do dpkg-deb -x "$deb" .; done
+        rm ./*.deb
+    ) >&2
     LCM_PREFIX=$unpacked && export LCM_PREFIX
 }
 

@@ -4,7 +4,7 @@ use experiment::launch::{Plan, Wiring};
 use experiment::run_port::RunPort;
 use node::scenario::Scenario;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::process::{Pid, PidfdFlags, pidfd_open};
+use rustix::process::{Pid, PidfdFlags, Signal, kill_process, pidfd_open};
 use std::error::Error;
 use std::fs;
 use std::path::PathBuf;
@@ -97,6 +97,13 @@ pub fn processes_naming(text: &str) -> Vec<i32> {
         String::from_utf8_lossy(&line).contains(text)
     })
     .collect()
+}
+
+/// Send `signal` to the process `id`, if it is still there.
+pub fn signal(id: u32, signal: Signal) {
+    if let Some(id) = i32::try_from(id).ok().and_then(Pid::from_raw) {
+        let _ = kill_process(id, signal);
+    }
 }
 
 /// Wait until the process `id`, which need not be a child, has ended; `false`: it has not within `limit`.

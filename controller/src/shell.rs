@@ -6,7 +6,9 @@ use crossbeam::select;
 use lcmtypes::{Encoded, Lcm, Received};
 use node::clock;
 use node::lockstep::{Answer, Follower};
-use node::shell::{Flags, Reaction, Shell};
+use node::problem::Problem;
+use node::shell::{Flags, Shell};
+use spatial::TICK_US;
 use spatial::ports::{Deflections, NodeStatus, RobotState, Role, Stamp};
 
 /// Run the node until a signal ends it.
@@ -31,24 +33,24 @@ pub(crate) fn run(flags: &Flags) -> anyhow::Result<()> {
     };
     loop {
         select! {
-            recv(states.receiver()) -> received => {
-                if let Ok(Received { message, .. }) = received {
-                    node.take_state(&mut shell, &device, message);
-                }
-            }
-            recv(deflections.receiver()) -> received => {
-                if let Ok(Received { message, .. }) = received {
-                    node.take_deflections(&mut shell, &device, message);
-                }
-            }
-            recv(peers.receiver()) -> received => {
-                if let Ok(Received { message, .. }) = received {
+            recv(states.receiver()) -> received => match received {
+                Ok(Received { message, .. }) => node.take_state(&mut shell, &device, message),
+                Err(_) => break shell.report(&Problem::LinkEnded),
+            },
+            recv(deflections.receiver()) -> received => match received {
+                Ok(Received { message, .. }) => node.take_deflections(&mut shell, &device, message),
+                Err(_) => break shell.report(&Problem::LinkEnded),
+            },
+            recv(peers.receiver()) -> received => match received {
+                Ok(Received { message, .. }) => {
                     shell.count(&[&device]);
                     shell.greet(&device, &message);
                 }
-            }
+                Err(_) => break shell.report(&Problem::LinkEnded),
+            },
             recv(shell.stop) -> _ => break,
         }
+        shell.tell(&device);
     }
     shell.finish()
 }
@@ -67,12 +69,12 @@ struct Node {
 
 impl Node {
     fn take_state(&mut self, shell: &mut Shell, device: &Lcm, state: RobotState) {
-        if shell.health.faulty() {
+        if !shell.works() || !state.stamp.is_lockstep() {
             return;
         }
         // A state that waits for its deflection is already counted as the last one: a repeat of it is no answer.
         let waiting = self.state.is_some();
-        let expected = self.follower.expected();
+        let expected = self.follower.expected_stamp();
         match self.follower.classify(state.stamp.step, state.stamp.boot_id) {
             Answer::Compute => {
                 self.state = Some(state);
@@ -84,32 +86,35 @@ impl Node {
                 }
             }
             Answer::Repeat | Answer::Ignore => {}
-            Answer::Broken => shell.react(
-                device,
-                Reaction::Broken {
+            Answer::Broken => {
+                shell.report(&Problem::Broken {
                     peer: Role::Robot,
                     expected,
                     found: state.stamp,
-                },
-            ),
+                });
+            }
         }
     }
 
     fn take_deflections(&mut self, shell: &mut Shell, device: &Lcm, deflections: Deflections) {
-        if shell.health.faulty() {
+        // A sample of the future would blind the controller to all that come before it.
+        let now = deflections.stamp.step * TICK_US;
+        if !shell.works() || deflections.samples.iter().any(|sample| sample.utime > now) {
             return;
         }
+        // The robot waits for the command of this tick, so that no sensor can be ahead of it; between two states
+        // it is less than a period ahead.
         let found = deflections.stamp;
-        if found.boot_id != self.sensor_boot_id {
-            let expected = self.follower.expected();
-            return shell.react(
-                device,
-                Reaction::Broken {
-                    peer: Role::Sensor,
-                    expected,
-                    found,
-                },
-            );
+        let expected = Stamp {
+            boot_id: self.sensor_boot_id,
+            ..self.follower.expected_stamp()
+        };
+        if found.boot_id != expected.boot_id || found.step > expected.step {
+            return shell.report(&Problem::Broken {
+                peer: Role::Sensor,
+                expected,
+                found,
+            });
         }
         if self.deflections.is_none_or(|known| found.step > known.stamp.step) {
             self.deflections = Some(deflections);

@@ -1,12 +1,14 @@
 //! Every law on every plant over contact phases and seeds, in process and on all cores.
 
-use crate::in_process;
-use crate::metrics::{Metrics, Recording, WINDOW_S};
+mod summary;
+mod variations;
+
+pub use summary::Summary;
+pub use variations::{metrics, outcomes, variations};
+
 use crate::table::Row;
 use node::scenario::{Scenario, ScenarioError};
-use rayon::prelude::*;
 use serde::Serialize;
-use spatial::TICK_S;
 use std::fmt::{Display, Formatter};
 
 /// What to compare: all combinations.
@@ -67,30 +69,6 @@ impl Display for Failure {
     }
 }
 
-/// Why a run gave no figures.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum NoFigures {
-    /// The tool never met the object.
-    #[error(
-        "no contact within {duration_s} s; raise timing.duration_s or task.search_depth_m, or check object.height_m"
-    )]
-    NoContact {
-        /// Length of the run, s.
-        duration_s: f64,
-    },
-    /// It ended too early.
-    #[error(
-        "contact at {contact_s:.3} s and end at {duration_s} s leave less than the \
-         {WINDOW_S} s that are judged; raise timing.duration_s"
-    )]
-    TooShort {
-        /// First contact, s.
-        contact_s: f64,
-        /// Length of the run, s.
-        duration_s: f64,
-    },
-}
-
 impl Matrix {
     /// Runs in all.
     pub fn runs(&self) -> usize {
@@ -148,89 +126,11 @@ impl Matrix {
     }
 }
 
-/// Mean and worst of the figures over phases and seeds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Summary {
-    /// Runs.
-    pub runs: usize,
-    /// Mean of each figure.
-    pub mean: Metrics,
-    /// Largest magnitude of each figure.
-    pub worst: Metrics,
-}
-
-impl Summary {
-    /// The summary of `outcomes`; `None` if one of them has no figures, or if there are none.
-    pub fn of(outcomes: &[Result<Metrics, NoFigures>]) -> Option<Self> {
-        let (mut mean, mut worst) = ([0.0; 7], [0.0f64; 7]);
-        for outcome in outcomes {
-            for (i, value) in outcome.as_ref().ok()?.values().into_iter().enumerate() {
-                mean[i] += value / outcomes.len() as f64;
-                // A figure that is not a number is the worst of all.
-                if value.abs().total_cmp(&worst[i].abs()).is_ge() {
-                    worst[i] = value;
-                }
-            }
-        }
-        (!outcomes.is_empty()).then(|| Self {
-            runs: outcomes.len(),
-            mean: Metrics::from_values(mean),
-            worst: Metrics::from_values(worst),
-        })
-    }
-}
-
-/// The same experiment at `phases` contact phases relative to T and with `seeds` seeds each: the tool starts
-/// higher by the way it travels in a fraction of T.
-///
-/// The fractions are multiples of the golden ratio, modulo 1: well spread over T *and* over 1 ms, as multiples of
-/// 1 ms are not (PLANT.md section 2).
-pub fn variations(scenario: &Scenario, phases: usize, seeds: usize) -> Vec<Scenario> {
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    let period_s = scenario.timing.command_period_ticks as f64 * TICK_S;
-    let mut all = Vec::with_capacity(phases * seeds);
-    for phase in 0..phases {
-        let fraction = (phase as f64 + 0.5) * GOLDEN;
-        let fraction = fraction - libm::floor(fraction);
-        for seed in 0..seeds {
-            let mut varied = scenario.clone();
-            varied.task.start_position_m[2] += fraction * period_s * scenario.task.approach_speed_m_per_s;
-            // From the largest seed on to 0.
-            varied.timing.seed = varied.timing.seed.wrapping_add(seed as i64) & i64::MAX;
-            all.push(varied);
-        }
-    }
-    all
-}
-
-/// The figures of all `variations` in their order, calling `done` after every run. They do not depend on the
-/// number of threads.
-pub fn outcomes(variations: &[Scenario], done: impl Fn() + Sync) -> Vec<Result<Metrics, NoFigures>> {
-    let outcome = |scenario| {
-        let outcome = metrics(scenario);
-        done();
-        outcome
-    };
-    variations.par_iter().map(outcome).collect()
-}
-
-/// The figures of one run in process.
-pub fn metrics(scenario: &Scenario) -> Result<Metrics, NoFigures> {
-    let mut recording = Recording::new(scenario);
-    in_process::run(scenario, |tick| recording.push(&tick.sensor.truth));
-    let duration_s = scenario.timing.duration_s;
-    recording.metrics().ok_or(match recording.first_contact_s() {
-        None => NoFigures::NoContact { duration_s },
-        Some(contact_s) => NoFigures::TooShort {
-            contact_s,
-            duration_s,
-        },
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::metrics::NoFigures;
+    use spatial::ports::{Fault, Role};
 
     fn matrix(laws: &[&str], phases: usize) -> Matrix {
         Matrix {
@@ -305,6 +205,36 @@ mod tests {
     }
 
     #[test]
+    fn a_latched_fault_is_no_good_run() {
+        let outcome = metrics(&scenario(&[
+            "robot.gantry.axis_maximum_rad=[1.0,1.0,1.0,1.5,0.001,1.5]",
+        ]));
+        assert!(
+            matches!(
+                outcome,
+                Err(NoFigures::Faulty {
+                    node: Role::Robot,
+                    fault: Fault::AxisLimit,
+                    ..
+                })
+            ),
+            "{outcome:?}"
+        );
+        let outcome = metrics(&scenario(&["object.height_m=-0.5"]));
+        assert!(
+            matches!(
+                outcome,
+                Err(NoFigures::Faulty {
+                    node: Role::Controller,
+                    fault: Fault::NoContact,
+                    ..
+                })
+            ),
+            "{outcome:?}"
+        );
+    }
+
+    #[test]
     fn seeds_go_on_from_the_largest_to_zero() {
         let seed = format!("timing.seed={}", i64::MAX);
         let seeds: Vec<_> = variations(&scenario(&[&seed]), 1, 3)
@@ -312,17 +242,5 @@ mod tests {
             .map(|varied| varied.timing.seed)
             .collect();
         assert_eq!(seeds, [i64::MAX, 0, 1]);
-    }
-
-    #[test]
-    fn a_figure_that_is_no_number_is_not_hidden() {
-        let rows = [1.0, f64::NAN, 2.0].map(|peak_n| {
-            Ok(Metrics {
-                peak_n,
-                ..Metrics::default()
-            })
-        });
-        let summary = Summary::of(&rows).unwrap();
-        assert!(summary.worst.peak_n.is_nan() && summary.mean.peak_n.is_nan());
     }
 }

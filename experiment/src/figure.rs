@@ -2,7 +2,7 @@
 
 mod panel;
 
-use crate::metrics::{ForceCurve, Metrics, Recording};
+use crate::metrics::{ForceCurve, Metrics, NoFigures, Recording};
 use node::scenario::Scenario;
 use std::io;
 use std::ops::Range;
@@ -26,16 +26,21 @@ pub struct LabelledCurve {
 }
 
 impl LabelledCurve {
-    /// The curve of a recorded run with `law`, and what the controller `measured`; `None`: without contact, or
-    /// with less than the judged window after it.
-    pub fn new(law: &str, scenario: &Scenario, recording: &Recording, measured: ForceCurve) -> Option<Self> {
-        Some(Self {
+    /// The curve of a recorded run with `law`, and what the controller `measured`, if the run has figures.
+    pub fn new(
+        law: &str,
+        scenario: &Scenario,
+        recording: &Recording,
+        measured: ForceCurve,
+    ) -> Result<Self, NoFigures> {
+        let metrics = recording.metrics()?;
+        Ok(Self {
             law: law.to_owned(),
             title: title(law),
             desired_force_n: scenario.task.desired_force_n,
-            curve: recording.force_curve()?,
+            curve: recording.force_curve().unwrap_or_default(),
             measured,
-            metrics: recording.metrics()?,
+            metrics,
         })
     }
 }
@@ -115,7 +120,6 @@ fn points(curve: &ForceCurve) -> impl Iterator<Item = (f64, f64)> {
 mod tests {
     use super::*;
     use crate::in_process;
-    use crate::metrics::Recording;
     use crate::scenarios::Source;
     use plotters::style::Color;
     use spatial::TICK_S;
@@ -126,7 +130,7 @@ mod tests {
         let mut recording = Recording::new(&scenario);
         let mut measured = ForceCurve::default();
         in_process::run(&scenario, |tick| {
-            recording.push(&tick.sensor.truth);
+            recording.observe(tick);
             if let Some(outputs) = &tick.controller {
                 measured.time_s.push(outputs.status.stamp.step as f64 * TICK_S);
                 measured.force_n.push(outputs.status.detection.statistic_n);

@@ -44,7 +44,8 @@ pub struct Plan {
     pub directory: PathBuf,
 }
 
-/// How long a started process may take to be heard of, and how long a running one may stay silent.
+/// How long a started process may take to be heard of, and how long a running robot may stay silent. Longer than
+/// the robot waits for its peers, so that it can say which of them is silent.
 const SILENT: Duration = Duration::from_secs(4);
 /// Between two looks at the children.
 const LOOK: Duration = Duration::from_millis(20);
@@ -86,6 +87,7 @@ pub fn run(plan: &Plan, stop: &Receiver<()>, progress: impl FnMut(i64)) -> Resul
 
 /// Three running processes; dropping it stops them.
 pub struct Cell {
+    run_id: i64,
     nodes: Vec<Node>,
     _link: Lcm,
     statuses: Subscription<NodeStatus>,
@@ -97,6 +99,7 @@ impl Cell {
         let mut builder = LcmBuilder::open(&plan.wiring.watch)?;
         let statuses = builder.subscribe(64);
         let mut cell = Self {
+            run_id: plan.run_id,
             nodes: Vec::new(),
             _link: builder.start()?,
             statuses,
@@ -123,6 +126,9 @@ impl Cell {
                 recv(self.statuses.receiver()) -> received => {
                     if let Ok(received) = received {
                         let status = received.message;
+                        if status.hello.run_id != self.run_id {
+                            return Err(LaunchError::Foreign { role: status.role, run_id: status.hello.run_id });
+                        }
                         if let Some(node) = self.nodes.iter_mut().find(|node| node.role == status.role) {
                             node.status = Some(status);
                             node.heard = clock::now();

@@ -6,6 +6,7 @@ pub mod figure;
 pub mod in_process;
 pub mod launch;
 pub mod metrics;
+pub mod out;
 pub mod run_port;
 pub mod scenarios;
 pub mod table;

@@ -80,8 +80,11 @@ impl Display for Table<'_> {
     }
 }
 
-/// A number with fixed decimals, and zero without a sign.
+/// A number with fixed decimals, zero without a sign, and `-` for what is no number: never settled.
 fn fixed(value: f64, decimals: usize) -> String {
+    if value.is_nan() {
+        return "-".to_owned();
+    }
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
         Some(zero) if zero.bytes().all(|b| b == b'0' || b == b'.') => zero.to_owned(),
@@ -173,6 +176,17 @@ rigid  gantry      pd          22.1       131      196    0.618          -0.002 
 rigid  gantry      proposed    10.0        49       76    0.220           0.000                  4.10     0.010
 "
         );
+    }
+
+    #[test]
+    fn never_settled_is_no_number() {
+        let mut never = PD;
+        never[2] = f64::NAN;
+        let rows = [row("pd", 36, PD, never)];
+        let table = Table(&rows).to_string();
+        assert!(table.contains("131 (131)  196 (-)  0.618 (0.618)"), "{table}");
+        let json = serde_json::to_string(&rows[0]).unwrap();
+        assert!(json.contains(r#""settling_2_s":null"#), "{json}");
     }
 
     #[test]

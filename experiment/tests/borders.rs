@@ -11,7 +11,7 @@ fn error(overrides: &[&str]) -> (f64, f64) {
     let overrides: Vec<String> = overrides.iter().map(|&text| text.to_owned()).collect();
     let scenario = Source::find("paper").unwrap().scenario(&overrides).unwrap();
     let mut recording = Recording::new(&scenario);
-    in_process::run(&scenario, |tick| recording.push(&tick.sensor.truth));
+    in_process::run(&scenario, |tick| recording.observe(tick));
     let curve = recording.force_curve().unwrap();
     let rms = |from: f64, to: f64| {
         let inside = curve

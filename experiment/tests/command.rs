@@ -37,6 +37,14 @@ fn what_does_not_exist_is_refused_by_name() {
         ),
         ("compare --laws pid", "controller.law is the unknown word \"pid\""),
         (
+            "compare --laws pd,proposed,pd",
+            "--laws names \"pd\" twice; name each once",
+        ),
+        (
+            "run --laws proposed,proposed",
+            "--laws names \"proposed\" twice; name each once",
+        ),
+        (
             "compare papre",
             "unknown scenario \"papre\"; the built-in ones are: paper",
         ),

@@ -1,4 +1,4 @@
-//! The bits of a run, pinned: the same in debug and release, on every x86-64 CPU (`make cpus`), today and tomorrow.
+//! The bits of a run, pinned: the same in debug and release, on every x86-64 CPU (`make bits`), today and tomorrow.
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -7,12 +7,10 @@ use node::scenario::Scenario;
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 
-fn hash(law: &str) -> String {
+fn hash(overrides: &[&str]) -> String {
     let text = experiment::scenarios::Source::find("paper").unwrap().text;
-    let overrides = [
-        format!("controller.law={law}"),
-        "timing.duration_s=2.0".to_owned(),
-    ];
+    let mut overrides: Vec<_> = overrides.iter().map(|&text| text.to_owned()).collect();
+    overrides.push("timing.duration_s=2.0".to_owned());
     let scenario = Scenario::parse("paper", &text, &overrides).unwrap();
     let mut hasher = Sha256::new();
     for entry in transcript::in_process(&scenario).unwrap() {
@@ -34,9 +32,22 @@ fn hash(law: &str) -> String {
 /// a law changes these: say in the commit why.
 #[test]
 fn the_papers_experiment() {
-    let pinned = [
-        "0b75f8db8d2de43fccc0710af9a16122",
-        "050c38996f5e6d542cdce777181fd794",
+    let pinned: [(&[&str], &str); 4] = [
+        (&["controller.law=pd"], "0b75f8db8d2de43fccc0710af9a16122"),
+        (&["controller.law=proposed"], "050c38996f5e6d542cdce777181fd794"),
+        (&["controller.law=literal"], "950fbd0cf69631d92c1a6d1bd21f735a"),
+        (
+            &["controller.law=pd", "controller.pairing=arrival"],
+            "0bd100b6a7cbdfca3859f4085401a108",
+        ),
     ];
-    assert_eq!([hash("pd"), hash("proposed")], pinned);
+    let found = pinned.map(|(overrides, _)| (overrides, hash(overrides)));
+    let lines: String = found.iter().map(|pair| format!("{pair:?},\n")).collect();
+    assert!(
+        found
+            .iter()
+            .zip(pinned)
+            .all(|(found, pinned)| found.1 == pinned.1),
+        "found:\n{lines}"
+    );
 }

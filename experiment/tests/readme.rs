@@ -20,7 +20,7 @@ fn the_readme_shows_what_make_demo_shows() {
         let (recording, measured) = Recording::from_transcript(&scenario, &entries);
         let metrics = recording.metrics().unwrap();
         rows.push(Row::single("rigid", "gantry", law, metrics));
-        curves.push(LabelledCurve::new(law, &scenario, &recording, measured.unwrap()).unwrap());
+        curves.push(LabelledCurve::new(law, &scenario, &recording, measured).unwrap());
     }
     let table = Table(&rows).to_string();
     let readme = std::fs::read_to_string(format!("{ROOT}/README.md")).unwrap();

@@ -3,6 +3,8 @@
 //! The robot is the clock master and the only node with a retransmission timer; sensor and controller react.
 //! A lost datagram is thus repeated from one place, and a repeated one never multiplies.
 
+use spatial::TICK_US;
+use spatial::ports::Stamp;
 use std::time::Duration;
 
 /// What a reactive node does with a message of some tick.
@@ -41,6 +43,16 @@ impl Follower {
         self.last + self.stride
     }
 
+    /// Tick and process expected next.
+    pub fn expected_stamp(&self) -> Stamp {
+        let step = self.expected();
+        Stamp {
+            step,
+            utime: step * TICK_US,
+            boot_id: self.master_boot_id,
+        }
+    }
+
     /// What to do with a message of `step` from the process `boot_id`. After `Compute` that tick is the last one.
     pub fn classify(&mut self, step: i64, boot_id: i64) -> Answer {
         if boot_id != self.master_boot_id || step > self.expected() {
@@ -65,7 +77,7 @@ pub struct Retransmission {
 }
 
 /// How long a peer may stay silent before the run is given up.
-pub const PEER_SILENT: Duration = Duration::from_secs(5);
+pub const PEER_SILENT: Duration = Duration::from_secs(3);
 /// The longest wait between two repeats.
 const LONGEST: Duration = Duration::from_millis(100);
 /// The shortest wait before the first repeat.
@@ -82,7 +94,8 @@ impl Default for Retransmission {
 }
 
 impl Retransmission {
-    /// Remember how long a tick took that needed no repeat.
+    /// Remember how long a tick took, from its first sending to its last answer: with repeats an upper bound, so
+    /// that the timer follows a machine that has become slower.
     pub fn observe(&mut self, tick: Duration) {
         self.smoothed_tick_s += SMOOTHING * (tick.as_secs_f64() - self.smoothed_tick_s);
     }

@@ -1,11 +1,11 @@
 //! What a process has published, in an LCM event log: written by a thread of its own, so that the disk never
 //! holds up the control.
 
+use crate::problem::Problem;
 use crossbeam::channel::{Receiver, Sender, TrySendError, bounded};
 use lcmtypes::{Encoded, EventLogWriter, LogError};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::thread::JoinHandle;
 
 /// Messages that wait for the disk.
@@ -15,7 +15,8 @@ const QUEUE: usize = 1024;
 pub struct Recorder {
     path: PathBuf,
     queue: Option<Sender<(i64, Encoded)>>,
-    failed: Arc<AtomicBool>,
+    /// Why the log can't be written any more.
+    failure: Arc<OnceLock<String>>,
     thread: Option<JoinHandle<Result<(), LogError>>>,
 }
 
@@ -24,41 +25,40 @@ impl Recorder {
     pub fn create(path: &Path) -> Result<Self, LogError> {
         let writer = EventLogWriter::create(path)?;
         let (queue, waiting) = bounded(QUEUE);
-        let failed = Arc::new(AtomicBool::new(false));
-        let flag = failed.clone();
+        let failure = Arc::new(OnceLock::new());
+        let told = failure.clone();
         let write = move || {
             let result = write_all(writer, &waiting);
-            flag.store(result.is_err(), Ordering::Release);
+            if let Err(error) = &result {
+                told.get_or_init(|| error.to_string());
+            }
             result
         };
         Ok(Self {
             path: path.to_owned(),
             queue: Some(queue),
-            failed,
+            failure,
             thread: Some(std::thread::spawn(write)),
         })
     }
 
-    /// Where the log is.
-    pub fn path(&self) -> &Path {
-        &self.path
-    }
-
     /// Have `message` of simulated or real time `utime` (us) written. Waits where the disk is slower than the
-    /// experiment: in lockstep nothing may be lost. `false`: the log could not be written.
-    #[must_use]
-    pub fn record(&self, utime: i64, message: &Encoded) -> bool {
-        let Some(queue) = &self.queue else { return false };
-        match queue.try_send((utime, message.clone())) {
-            Ok(()) => {}
-            Err(TrySendError::Full(entry)) => {
-                if queue.send(entry).is_err() {
-                    return false;
-                }
-            }
-            Err(TrySendError::Disconnected(_)) => return false,
+    /// experiment: in lockstep nothing may be lost. Tells when the log can't be written any more.
+    pub fn record(&self, utime: i64, message: &Encoded) -> Result<(), Problem> {
+        if let Some(queue) = &self.queue {
+            // The queue is disconnected only when writing has failed, which is told below.
+            let _ = match queue.try_send((utime, message.clone())) {
+                Err(TrySendError::Full(entry)) => queue.send(entry).is_ok(),
+                sent => sent.is_ok(),
+            };
         }
-        !self.failed.load(Ordering::Acquire)
+        match self.failure.get() {
+            None => Ok(()),
+            Some(cause) => Err(Problem::Record {
+                path: self.path.clone(),
+                cause: cause.clone(),
+            }),
+        }
     }
 
     /// Write what is waiting and close the log.

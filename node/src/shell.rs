@@ -1,7 +1,8 @@
 //! The shell of a process: flags, configuration, logging, signals, links and records.
 
-use crate::greeting::{self, Mismatch, role_name};
+use crate::greeting::{self, role_name};
 use crate::health::{self, Health};
+use crate::problem::Problem;
 use crate::record::Recorder;
 use crate::scenario::Scenario;
 use anyhow::Context;
@@ -9,7 +10,7 @@ use crossbeam::channel::{Receiver, bounded};
 use lcmtypes::{Counters, Encoded, Lcm, LcmBuilder, Message};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
-use spatial::ports::{Fault, NodeStatus, Role, Stamp};
+use spatial::ports::{NodeStatus, Role};
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -35,9 +36,9 @@ pub struct Flags {
     /// Write what this node publishes to an LCM event log
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
-    /// End when the process that started this one ends
-    #[arg(long)]
-    pub with_parent: bool,
+    /// End when the process with this id, which started this one, ends
+    #[arg(long, value_name = "PID")]
+    pub with_parent: Option<i32>,
 }
 
 /// What a node has at hand once its flags are read and its links are open.
@@ -50,51 +51,17 @@ pub struct Shell {
     pub stop: Receiver<()>,
     recorder: Option<Recorder>,
     role: Role,
-}
-
-/// What makes further work in lockstep impossible.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reaction {
-    /// The peer differs in what must agree.
-    Refused(Mismatch),
-    /// The peer skipped a tick or is another process than before.
-    Broken {
-        /// The peer.
-        peer: Role,
-        /// The tick expected.
-        expected: i64,
-        /// What came.
-        found: Stamp,
-    },
-}
-
-impl std::fmt::Display for Reaction {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Refused(mismatch) => mismatch.fmt(f),
-            Self::Broken {
-                peer,
-                expected,
-                found,
-            } => write!(
-                f,
-                "lockstep broken: {} sent tick {} (boot id {:x}), expected tick {expected}; restart all nodes",
-                role_name(*peer),
-                found.step,
-                found.boot_id
-            ),
-        }
-    }
+    greeted: bool,
+    /// A fault that peers have not been told of yet.
+    untold: bool,
 }
 
 impl Flags {
     /// Start the process in `role`: logging to stderr, configuration, signals, record.
     pub fn start(&self, role: Role) -> anyhow::Result<Shell> {
         log_to_stderr();
-        if self.with_parent {
-            let term = rustix::process::Signal::TERM;
-            rustix::process::set_parent_process_death_signal(Some(term))
-                .context("can't follow the parent process")?;
+        if let Some(parent) = self.with_parent {
+            follow(parent)?;
         }
         let stop = signals()?;
         let scenario = Scenario::load(&self.scenario, &self.set)?;
@@ -107,6 +74,8 @@ impl Flags {
             stop,
             recorder,
             role,
+            greeted: false,
+            untold: false,
         })
     }
 
@@ -124,24 +93,25 @@ impl Flags {
 impl Shell {
     /// Check, encode, record and publish a new message; returns its bytes, to be repeated on request.
     ///
-    /// A message that can't be encoded or sent is an error of this node: it latches and is logged once.
+    /// A message that can't be encoded or recorded is a [`Problem`] of this node.
     pub fn publish<M: Message>(&mut self, link: &Lcm, message: &M) -> Option<Encoded> {
         let encoded = match message.encode() {
             Ok(encoded) => encoded,
             Err(invalid) => {
-                if self.latch(Fault::MessageInvalid, self.role, 0, 0) {
-                    tracing::error!("own message on {} can't be published: {invalid}", M::CHANNEL);
-                }
+                self.report(&Problem::OwnMessage {
+                    channel: M::CHANNEL,
+                    invalid,
+                });
                 return None;
             }
         };
-        if let Some(recorder) = &self.recorder {
-            let recorded = recorder.record(message.stamp().step * spatial::TICK_US, &encoded);
-            if !recorded && self.health.latch(Fault::RecordFailed, self.role, 0, 0) {
-                tracing::error!(
-                    "the record can't be written any more; free the disk or run without --record"
-                );
-            }
+        let utime = message.stamp().step * spatial::TICK_US;
+        let recorded = self
+            .recorder
+            .as_ref()
+            .map_or(Ok(()), |recorder| recorder.record(utime, &encoded));
+        if let Err(problem) = recorded {
+            self.report(&problem);
         }
         self.send(link, &encoded);
         Some(encoded)
@@ -160,9 +130,20 @@ impl Shell {
         }
     }
 
-    /// Latch a fault; says whether it was the first.
-    pub fn latch(&mut self, fault: Fault, peer: Role, expected: i64, found: i64) -> bool {
-        self.health.latch(fault, peer, expected, found)
+    /// Latch a problem and say it, if it is the first.
+    pub fn report(&mut self, problem: &Problem) {
+        let (fault, peer, expected, found) = problem.fault(self.role);
+        if self.health.latch(fault, peer, expected, found) {
+            tracing::error!("{problem}");
+            self.untold = true;
+        }
+    }
+
+    /// Publish the status if there is a fault that peers have not been told of; called after every event.
+    pub fn tell(&mut self, link: &Lcm) {
+        if std::mem::take(&mut self.untold) {
+            self.publish_status(link);
+        }
     }
 
     /// Answer the robot's status with the own one; refuse a robot that differs in what must agree.
@@ -172,31 +153,17 @@ impl Shell {
         if status.role != Role::Robot {
             return;
         }
-        if let Err(mismatch) = greeting::compare(self.health.hello(), status) {
-            self.react(link, Reaction::Refused(mismatch));
+        match greeting::compare(self.health.hello(), status) {
+            Ok(()) => self.greeted = true,
+            Err(mismatch) => self.report(&Problem::Refused(mismatch)),
         }
+        self.untold = false;
         self.publish_status(link);
     }
 
-    /// Latch what makes further work impossible, tell it once and publish it.
-    pub fn react(&mut self, link: &Lcm, reaction: Reaction) {
-        let (fault, peer, expected, found) = match reaction {
-            Reaction::Refused(Mismatch {
-                peer,
-                expected,
-                found,
-                ..
-            }) => (Fault::HelloMismatch, peer, expected, found),
-            Reaction::Broken {
-                peer,
-                expected,
-                found,
-            } => (Fault::LockstepBroken, peer, expected, found.step),
-        };
-        if self.latch(fault, peer, expected, found) {
-            tracing::error!("{reaction}");
-            self.publish_status(link);
-        }
+    /// Whether the node works: a matching robot has greeted it, and no fault is latched.
+    pub fn works(&self) -> bool {
+        self.greeted && !self.health.faulty()
     }
 
     /// Take over what the links have counted.
@@ -226,6 +193,20 @@ impl Shell {
             Err(error) => tracing::debug!("{error}"),
         }
     }
+}
+
+/// Get SIGTERM when the process `parent`, which started this one, ends.
+fn follow(parent: i32) -> anyhow::Result<()> {
+    let term = rustix::process::Signal::TERM;
+    rustix::process::set_parent_process_death_signal(Some(term))
+        .context("can't follow the parent process")?;
+    // It may have ended before the line above.
+    let now = rustix::process::getppid().map_or(0, rustix::process::Pid::as_raw_pid);
+    anyhow::ensure!(
+        now == parent,
+        "process {parent}, which started this one, has ended"
+    );
+    Ok(())
 }
 
 /// Run a program's body and turn an error into a message and exit code 1.

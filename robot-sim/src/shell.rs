@@ -4,12 +4,13 @@
 //! `SIM_TOOL_MOTION` of n and, where due, `ROBOT_COMMAND` of n have come. It alone repeats what is unanswered.
 
 use anyhow::bail;
-use crossbeam::channel::Receiver;
+use crossbeam::channel::RecvError;
 use crossbeam::select;
-use lcmtypes::{Encoded, Lcm, Received, Subscription};
+use lcmtypes::{Encoded, Lcm, Message, Received, Subscription};
 use node::clock;
-use node::greeting::{self, role_name};
+use node::greeting;
 use node::lockstep::{PEER_SILENT, Retransmission};
+use node::problem::Problem;
 use node::shell::{Flags, Shell};
 use robot_sim::RobotSim;
 use spatial::ports::{Command, Fault, NodeStatus, Role, Stamp, ToolMotion};
@@ -17,8 +18,8 @@ use std::time::{Duration, Instant};
 
 /// Ticks between two status messages while running.
 const STATUS_TICKS: i64 = 250;
-/// Between two greetings, and between two status messages after the end.
-const IDLE: Duration = Duration::from_millis(100);
+/// Between two greetings, and between two status messages while waiting and after the end.
+const STATUS_PERIOD: Duration = Duration::from_millis(100);
 
 struct Robot {
     shell: Shell,
@@ -30,10 +31,10 @@ struct Robot {
     timer: Retransmission,
 }
 
-/// Why a wait ended without what was waited for.
+/// Why the work ends before the scenario does.
 enum Interrupted {
     Stop,
-    Fault,
+    Problem(Problem),
 }
 
 /// Run the node until a signal ends it.
@@ -52,14 +53,17 @@ pub(crate) fn run(flags: &Flags) -> anyhow::Result<()> {
         peers,
         timer: Retransmission::default(),
     };
-    let outcome = robot.greet().and_then(|()| robot.simulate());
-    match outcome {
-        Err(Interrupted::Stop) => {}
+    match robot.greet().and_then(|()| robot.simulate()) {
         Ok(()) => {
+            tracing::info!("the scenario is over; SIGTERM or Ctrl-C ends this node");
             robot.shell.health.finish();
             robot.idle();
         }
-        Err(Interrupted::Fault) => robot.idle(),
+        Err(Interrupted::Problem(problem)) => {
+            robot.shell.report(&problem);
+            robot.idle();
+        }
+        Err(Interrupted::Stop) => {}
     }
     let faulty = robot.shell.health.faulty();
     robot.shell.finish()?;
@@ -72,37 +76,23 @@ pub(crate) fn run(flags: &Flags) -> anyhow::Result<()> {
 impl Robot {
     /// Find both peers: repeat the own status until each has answered with a matching one.
     fn greet(&mut self) -> Result<(), Interrupted> {
-        let (mut sensor, mut controller) = (false, false);
+        let mut missing = vec![Role::Sensor, Role::Controller];
         let give_up = clock::now() + PEER_SILENT;
-        while !(sensor && controller) {
-            self.shell.publish_status(&self.device);
-            let next = clock::now() + IDLE;
-            while let Some(status) = self.peer_until(next)? {
-                let found = match status.role {
-                    Role::Robot => continue,
-                    Role::Sensor => &mut sensor,
-                    Role::Controller => &mut controller,
-                };
-                match greeting::compare_at_start(self.shell.health.hello(), &status) {
-                    Ok(()) => *found = true,
-                    Err(mismatch) => {
-                        let (expected, found) = (mismatch.expected, mismatch.found);
-                        if self
-                            .shell
-                            .latch(Fault::HelloMismatch, mismatch.peer, expected, found)
-                        {
-                            tracing::error!("{mismatch}");
-                        }
-                        return Err(Interrupted::Fault);
-                    }
-                }
-                if sensor && controller {
-                    break;
-                }
-            }
+        while !missing.is_empty() {
             if clock::now() >= give_up {
-                let silent = if sensor { Role::Controller } else { Role::Sensor };
-                return Err(self.silent(silent));
+                return Err(silent(missing, -1));
+            }
+            self.shell.publish_status(&self.device);
+            let next = clock::now() + STATUS_PERIOD;
+            while !missing.is_empty() {
+                let Some(status) = self.peer_until(next)? else {
+                    break;
+                };
+                if missing.contains(&status.role) {
+                    greeting::compare_at_start(self.shell.health.hello(), &status)
+                        .map_err(|mismatch| Interrupted::Problem(Problem::Refused(mismatch)))?;
+                    missing.retain(|role| *role != status.role);
+                }
             }
         }
         tracing::info!("sensor-sim and controller are there");
@@ -118,18 +108,18 @@ impl Robot {
             if robot.command_due() {
                 unanswered[1] = self.shell.publish(&self.device, &robot.state());
             }
-            let (tool, command, repeats) = self.answers(tick, robot.command_due(), &unanswered)?;
+            if self.shell.health.faulty() {
+                // The own message could not be published or recorded; it has been reported.
+                self.idle();
+                return Err(Interrupted::Stop);
+            }
+            let (tool, command) = self.answers(tick, robot.command_due(), &unanswered)?;
             robot.advance(&tool, command.as_ref());
             let took = clock::now() - started;
-            if repeats == 0 {
-                self.timer.observe(took);
-            }
+            self.timer.observe(took);
             self.shell.health.reach(tick, took);
             if tick % STATUS_TICKS == 0 {
                 self.report();
-            }
-            if self.shell.health.faulty() {
-                return Err(Interrupted::Fault);
             }
         }
         Ok(())
@@ -141,130 +131,110 @@ impl Robot {
         tick: i64,
         command_due: bool,
         messages: &[Option<Encoded>],
-    ) -> Result<(ToolMotion, Option<Command>, u32), Interrupted> {
+    ) -> Result<(ToolMotion, Option<Command>), Interrupted> {
         let (mut tool, mut command) = (None, None);
-        let give_up = clock::now() + PEER_SILENT;
+        let start = clock::now();
+        let (give_up, mut next_status) = (start + PEER_SILENT, start + STATUS_PERIOD);
         let mut repeats = 0;
-        let mut deadline = clock::now() + self.timer.wait(repeats);
+        let mut deadline = start + self.timer.wait(repeats);
         loop {
             match (tool, command) {
-                (Some(tool), Some(_)) => return Ok((tool, command, repeats)),
-                (Some(tool), None) if !command_due => return Ok((tool, None, repeats)),
+                (Some(tool), Some(_)) => return Ok((tool, command)),
+                (Some(tool), None) if !command_due => return Ok((tool, None)),
                 _ => {}
             }
-            let remaining = deadline.saturating_duration_since(clock::now());
+            // Looked at before every wait, so that no flood of messages can hold it up.
+            let now = clock::now();
+            if now >= give_up {
+                return Err(silent(
+                    vec![if tool.is_none() {
+                        Role::Sensor
+                    } else {
+                        Role::Controller
+                    }],
+                    tick,
+                ));
+            }
+            if now >= next_status {
+                self.report();
+                next_status = now + STATUS_PERIOD;
+            }
+            if now >= deadline {
+                for message in messages.iter().flatten() {
+                    let link = if message.channel().starts_with("SIM_") {
+                        &self.world
+                    } else {
+                        &self.device
+                    };
+                    self.shell.repeat(link, message);
+                }
+                repeats += 1;
+                deadline = now + self.timer.wait(repeats);
+            }
             select! {
                 recv(self.tools.receiver()) -> received => {
-                    tool = self.fresh(received.ok(), tick, Role::Sensor, |m: &ToolMotion| m.stamp)?.or(tool);
+                    tool = self.fresh(received, tick, Role::Sensor)?.or(tool);
                 }
                 recv(self.commands.receiver()) -> received => {
-                    command = self.fresh(received.ok(), tick, Role::Controller, |m: &Command| m.stamp)?.or(command);
+                    command = self.fresh(received, tick, Role::Controller)?.or(command);
                 }
                 recv(self.peers.receiver()) -> received => {
-                    if let Ok(Received { message, .. }) = received {
-                        self.heed(&message)?;
-                    }
+                    let Received { message, .. } = received.map_err(ended)?;
+                    self.heed(&message)?;
                 }
                 recv(self.shell.stop) -> _ => return Err(Interrupted::Stop),
-                default(remaining) => {
-                    if clock::now() >= give_up {
-                        return Err(self.silent(if tool.is_none() { Role::Sensor } else { Role::Controller }));
-                    }
-                    for message in messages.iter().flatten() {
-                        let link = if message.channel().starts_with("SIM_") { &self.world } else { &self.device };
-                        self.shell.repeat(link, message);
-                    }
-                    repeats += 1;
-                    deadline = clock::now() + self.timer.wait(repeats);
-                }
+                default(deadline.saturating_duration_since(now)) => {}
             }
         }
     }
 
-    /// `message` if it answers `tick`; older ones are late duplicates, newer or foreign ones break the lockstep.
-    fn fresh<M>(
-        &mut self,
-        received: Option<Received<M>>,
+    /// The message if it answers `tick`; older ones are late duplicates, newer or foreign ones break the lockstep.
+    fn fresh<M: Message>(
+        &self,
+        received: Result<Received<M>, RecvError>,
         tick: i64,
         peer: Role,
-        stamp: impl Fn(&M) -> Stamp,
     ) -> Result<Option<M>, Interrupted> {
-        let Some(Received { message, .. }) = received else {
-            return Ok(None);
-        };
-        let found = stamp(&message);
-        let expected = Stamp::lockstep(tick, self.shell.health.hello().seed, peer).boot_id;
-        if found.boot_id != expected || found.step > tick {
-            let (expected, found, what) = if found.step > tick {
-                (tick, found.step, "tick")
-            } else {
-                (expected, found.boot_id, "boot id")
-            };
-            if self.shell.latch(Fault::LockstepBroken, peer, expected, found) {
-                tracing::error!(
-                    "lockstep broken: {} answers {what} {found}, expected {expected}; restart all nodes",
-                    role_name(peer)
-                );
-            }
-            return Err(Interrupted::Fault);
+        let Received { message, .. } = received.map_err(ended)?;
+        let found = message.stamp();
+        let expected = Stamp::lockstep(tick, self.shell.health.hello().seed, peer);
+        if found.boot_id != expected.boot_id || found.step > tick {
+            return Err(Interrupted::Problem(Problem::Broken {
+                peer,
+                expected,
+                found,
+            }));
         }
         Ok((found.step == tick).then_some(message))
     }
 
     /// A status while running: a peer's fault ends the run, a peer of another run is refused.
-    fn heed(&mut self, status: &NodeStatus) -> Result<(), Interrupted> {
+    fn heed(&self, status: &NodeStatus) -> Result<(), Interrupted> {
         if status.role == Role::Robot {
             return Ok(());
         }
         if let Err(mismatch) = greeting::compare(self.shell.health.hello(), status) {
-            if self.shell.latch(
-                Fault::HelloMismatch,
-                mismatch.peer,
-                mismatch.expected,
-                mismatch.found,
-            ) {
-                tracing::error!("{mismatch}");
-            }
-            return Err(Interrupted::Fault);
+            return Err(Interrupted::Problem(Problem::Refused(mismatch)));
         }
         if status.fault != Fault::None {
-            if self.shell.latch(
-                status.fault,
-                status.role,
-                status.fault_expected,
-                status.fault_found,
-            ) {
-                tracing::error!(
-                    "{} has latched the fault {:?}",
-                    role_name(status.role),
-                    status.fault
-                );
-            }
-            return Err(Interrupted::Fault);
+            let (peer, fault) = (status.role, status.fault);
+            return Err(Interrupted::Problem(Problem::PeerFault { peer, fault }));
         }
         Ok(())
-    }
-
-    fn silent(&mut self, peer: Role) -> Interrupted {
-        let tick = self.shell.health.step() + 1;
-        if self.shell.latch(Fault::PeerSilent, peer, tick, -1) {
-            let name = role_name(peer);
-            let seconds = PEER_SILENT.as_secs();
-            tracing::error!(
-                "{name} has not answered tick {tick} for {seconds} s; is it running on the same LCM URL? \
-                 `touchdown doctor` checks the network"
-            );
-        }
-        Interrupted::Fault
     }
 
     /// After the end: tell it until a signal comes.
     fn idle(&mut self) {
         loop {
             self.report();
-            match self.peer_until(clock::now() + IDLE) {
-                Err(Interrupted::Stop) => return,
-                _ => continue,
+            // What comes meanwhile changes nothing; the own status comes back too.
+            let next = clock::now() + STATUS_PERIOD;
+            loop {
+                match self.peer_until(next) {
+                    Ok(Some(_)) => {}
+                    Ok(None) => break,
+                    Err(_) => return,
+                }
             }
         }
     }
@@ -274,14 +244,28 @@ impl Robot {
         self.shell.publish_status(&self.device);
     }
 
-    /// The next status of a peer, or none until `deadline`.
+    /// The next status of a node, or none until `deadline`.
     fn peer_until(&mut self, deadline: Instant) -> Result<Option<NodeStatus>, Interrupted> {
         let remaining = deadline.saturating_duration_since(clock::now());
-        let peers: &Receiver<Received<NodeStatus>> = self.peers.receiver();
+        if remaining.is_zero() {
+            return Ok(None);
+        }
         select! {
-            recv(peers) -> received => Ok(received.ok().map(|received| received.message)),
+            recv(self.peers.receiver()) -> received => Ok(Some(received.map_err(ended)?.message)),
             recv(self.shell.stop) -> _ => Err(Interrupted::Stop),
             default(remaining) => Ok(None),
         }
     }
+}
+
+fn ended(_: RecvError) -> Interrupted {
+    Interrupted::Problem(Problem::LinkEnded)
+}
+
+fn silent(peers: Vec<Role>, tick: i64) -> Interrupted {
+    Interrupted::Problem(Problem::Silent {
+        peers,
+        tick,
+        seconds: PEER_SILENT.as_secs(),
+    })
 }

@@ -5,7 +5,8 @@ use crossbeam::select;
 use lcmtypes::{Encoded, Lcm, Received};
 use node::clock;
 use node::lockstep::{Answer, Follower};
-use node::shell::{Flags, Reaction, Shell};
+use node::problem::Problem;
+use node::shell::{Flags, Shell};
 use sensor_sim::SensorSim;
 use spatial::ports::{LinkMotion, NodeStatus, Role, Stamp};
 
@@ -26,19 +27,20 @@ pub(crate) fn run(flags: &Flags) -> anyhow::Result<()> {
     };
     loop {
         select! {
-            recv(links.receiver()) -> received => {
-                if let Ok(Received { message, .. }) = received {
-                    sensor.answer(&mut shell, &device, &world, &message);
-                }
-            }
-            recv(peers.receiver()) -> received => {
-                if let Ok(Received { message, .. }) = received {
+            recv(links.receiver()) -> received => match received {
+                Ok(Received { message, .. }) => sensor.answer(&mut shell, &device, &world, &message),
+                Err(_) => break shell.report(&Problem::LinkEnded),
+            },
+            recv(peers.receiver()) -> received => match received {
+                Ok(Received { message, .. }) => {
                     shell.count(&[&device, &world]);
                     shell.greet(&device, &message);
                 }
-            }
+                Err(_) => break shell.report(&Problem::LinkEnded),
+            },
             recv(shell.stop) -> _ => break,
         }
+        shell.tell(&device);
     }
     shell.finish()
 }
@@ -52,10 +54,10 @@ struct Sensor {
 
 impl Sensor {
     fn answer(&mut self, shell: &mut Shell, device: &Lcm, world: &Lcm, link: &LinkMotion) {
-        if shell.health.faulty() {
+        if !shell.works() {
             return;
         }
-        let expected = self.follower.expected();
+        let expected = self.follower.expected_stamp();
         match self.follower.classify(link.stamp.step, link.stamp.boot_id) {
             Answer::Compute => {
                 let started = clock::now();
@@ -79,14 +81,13 @@ impl Sensor {
                 }
             }
             Answer::Ignore => {}
-            Answer::Broken => shell.react(
-                device,
-                Reaction::Broken {
+            Answer::Broken => {
+                shell.report(&Problem::Broken {
                     peer: Role::Robot,
                     expected,
                     found: link.stamp,
-                },
-            ),
+                });
+            }
         }
     }
 }

@@ -8,5 +8,7 @@
 )]
 
 mod bits;
+mod by_hand;
+mod command;
 mod failures;
 mod runs;

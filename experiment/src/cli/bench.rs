@@ -129,12 +129,9 @@ struct NetworkReport<'a> {
 fn network(args: &NetworkArgs) -> Result<ExitCode> {
     let (source, scenario) = args.scenario.read()?;
     let stop = node::shell::signals()?;
-    let directory = std::env::temp_dir().join(format!("touchdown-bench-{}", std::process::id()));
-    std::fs::create_dir_all(&directory)?;
-    let measured = lockstep_rates(args, &source, &directory, &stop);
-    // Nothing but the runs' records was there.
-    let _ = std::fs::remove_dir_all(&directory);
-    let (mut rates, start_up_s) = measured?;
+    // For nothing but the runs' records.
+    let directory = tempfile::tempdir()?;
+    let (mut rates, start_up_s) = lockstep_rates(args, &source, directory.path(), &stop)?;
     rates.sort_by(f64::total_cmp);
     let started = clock::now();
     in_process::run(&scenario, |_| ());

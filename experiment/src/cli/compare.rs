@@ -1,6 +1,6 @@
 //! `touchdown compare`.
 
-use super::{FAILED, ScenarioArgs, complain, configuration_hash, print, print_json};
+use super::{FAILED, ScenarioArgs, complain, configuration_hash, distinct, print, print_json};
 use anyhow::Result;
 use experiment::compare::{Comparison, Matrix};
 use experiment::table::Table;
@@ -46,6 +46,9 @@ struct Report<'a> {
 }
 
 pub(crate) fn run(args: &Args) -> Result<ExitCode> {
+    distinct("--robots", &args.robots)?;
+    distinct("--kinematics", &args.kinematics)?;
+    distinct("--laws", &args.laws)?;
     let (source, scenario) = args.scenario.read()?;
     let matrix = Matrix {
         robots: args.robots.clone(),

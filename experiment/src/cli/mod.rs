@@ -7,6 +7,7 @@ mod run;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
+use experiment::launch::LaunchError;
 use experiment::scenarios::{Source, SourceError};
 use node::scenario::{Scenario, ScenarioError};
 use serde::Serialize;
@@ -78,13 +79,48 @@ pub(crate) fn main() -> ExitCode {
         Command::Doctor(args) => doctor::run(args),
     };
     outcome.unwrap_or_else(|error| {
-        complain(format_args!("{error:#}"));
+        if error
+            .chain()
+            .any(|cause| matches!(cause.downcast_ref(), Some(LaunchError::Interrupted)))
+        {
+            complain("interrupted; all nodes are stopped");
+            return ExitCode::from(INTERRUPTED);
+        }
+        complain(told(&error));
         let configuration = |cause: &(dyn std::error::Error + 'static)| {
-            cause.is::<ScenarioError>() || cause.is::<SourceError>()
+            cause.is::<ScenarioError>() || cause.is::<SourceError>() || cause.is::<Twice>()
         };
         let wrong_usage = error.chain().any(configuration);
         ExitCode::from(if wrong_usage { WRONG_USAGE } else { FAILED })
     })
+}
+
+/// The error and its causes, outermost first; a cause that has been told already is not told again.
+fn told(error: &anyhow::Error) -> String {
+    let mut text = error.to_string();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !text.contains(&cause) {
+            text += &format!(": {cause}");
+        }
+    }
+    text
+}
+
+/// A list that names something twice.
+#[derive(Debug, thiserror::Error)]
+#[error("{flag} names {value:?} twice; name each once")]
+struct Twice {
+    flag: &'static str,
+    value: String,
+}
+
+/// Refuse a list that names something twice.
+fn distinct(flag: &'static str, values: &[String]) -> Result<(), Twice> {
+    let twice = (1..values.len()).find(|&i| values[..i].contains(&values[i]));
+    match twice.map(|i| values[i].clone()) {
+        Some(value) => Err(Twice { flag, value }),
+        None => Ok(()),
+    }
 }
 
 /// An error on stderr.
@@ -109,4 +145,19 @@ fn print_json(object: &impl Serialize) -> Result<()> {
 /// The hash of all resolved values as JSON carries it: 16 hexadecimal digits.
 fn configuration_hash(scenario: &Scenario) -> String {
     format!("{:016x}", scenario.hash())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cause_is_told_once() {
+        let cause = || anyhow::anyhow!("no such device (os error 19)");
+        let named =
+            cause().context("can't join the group: no such device (os error 19); see `touchdown doctor`");
+        assert_eq!(told(&named), named.to_string());
+        let bare = cause().context("can't join the group");
+        assert_eq!(told(&bare), "can't join the group: no such device (os error 19)");
+    }
 }

@@ -1,19 +1,21 @@
 //! `touchdown run`.
 
-use super::{INTERRUPTED, ScenarioArgs, configuration_hash, print, print_json};
-use anyhow::{Context, Result, bail};
+use super::{ScenarioArgs, configuration_hash, distinct, print, print_json};
+use anyhow::{Context, Result};
 use crossbeam::channel::Receiver;
 use experiment::figure::{LabelledCurve, force_figure};
-use experiment::launch::{self, LaunchError, Plan, Wiring};
-use experiment::metrics::{Recording, WINDOW_S};
+use experiment::launch::{self, Plan, Wiring};
+use experiment::metrics::Recording;
+use experiment::out::Workplace;
 use experiment::run_port::RunPort;
+use experiment::scenarios::Source;
 use experiment::table::{Row, Table};
 use experiment::transcript;
 use indicatif::{ProgressBar, ProgressStyle};
 use node::scenario::Scenario;
 use serde::Serialize;
 use std::fs;
-use std::io::{IsTerminal, stderr};
+use std::io::{self, IsTerminal, stderr};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
@@ -52,8 +54,13 @@ struct Report<'a> {
 
 /// How long a port is listened to before it is used.
 const QUIET: Duration = Duration::from_millis(200);
+/// The figure's name.
+const FIGURE: &str = "force.svg";
+/// The scenario's name.
+const SCENARIO: &str = "scenario.toml";
 
 pub(crate) fn run(args: &Args) -> Result<ExitCode> {
+    distinct("--laws", &args.laws)?;
     let (source, scenario) = args.scenario.read()?;
     let mut overrides = args.scenario.overrides.clone();
     overrides.extend(args.seed.map(|seed| format!("timing.seed={seed}")));
@@ -65,39 +72,14 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     let runs: Vec<_> = runs.collect::<Result<_>>()?;
 
     let stop = node::shell::signals()?;
-    fs::create_dir_all(&args.out)
-        .with_context(|| format!("can't create the directory {}", args.out.display()))?;
-    let file = args.out.join("scenario.toml");
-    fs::write(&file, &source.text).with_context(|| format!("can't write {}", file.display()))?;
-    let port = match args.port {
-        Some(port) => RunPort::fixed(port, QUIET)?,
-        None => RunPort::free(QUIET)?,
-    };
-
-    let (mut rows, mut curves) = (Vec::new(), Vec::new());
-    for (law, scenario, overrides) in runs {
-        let plan = Plan {
-            programs: launch::programs()?,
-            scenario: file.clone(),
-            overrides,
-            wiring: Wiring::shared(&port.device_url(), &port.simulation_url()),
-            run_id: i64::from(std::process::id()),
-            directory: args.out.clone(),
-        };
-        match experiment_of(law, &scenario, &plan, &stop) {
-            Ok((row, curve)) => {
-                rows.push(row);
-                curves.push(curve);
-            }
-            Err(error) if matches!(error.downcast_ref(), Some(LaunchError::Interrupted)) => {
-                super::complain("interrupted; all nodes are stopped");
-                return Ok(ExitCode::from(INTERRUPTED));
-            }
-            Err(error) => return Err(error),
-        }
-    }
-    let figure = args.out.join("force.svg");
-    force_figure(&curves, &figure)?;
+    let mut place = Workplace::new(&args.out)
+        .with_context(|| format!("can't create a directory in {}", args.out.display()))?;
+    let measured = measure(args, &source, &runs, &mut place, &stop);
+    // What is complete is kept, also of a run that gave no figures: it shows why.
+    place
+        .publish()
+        .with_context(|| format!("can't write the results into {}", args.out.display()))?;
+    let rows = measured?;
 
     if args.json {
         print_json(&Report {
@@ -114,38 +96,56 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
         let data: Vec<_> = args.laws.iter().map(data).collect();
         print(format_args!(
             "\nfigure: {}\ndata:   {}\n",
-            figure.display(),
+            args.out.join(FIGURE).display(),
             data.join(", ")
         ))?;
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// One run with one law: its records are written, its figures returned.
-fn experiment_of(
-    law: &str,
-    scenario: &Scenario,
-    plan: &Plan,
+/// One run after the other, and the figure of all.
+fn measure(
+    args: &Args,
+    source: &Source,
+    runs: &[(&str, Scenario, Vec<String>)],
+    place: &mut Workplace,
     stop: &Receiver<()>,
-) -> Result<(Row, LabelledCurve)> {
-    let progress = progress(law, scenario.timing.ticks());
-    let entries = launch::run(plan, stop, |tick| progress.set_position(tick.max(0) as u64))?;
-    progress.finish_and_clear();
-    transcript::write_log(&plan.directory.join(format!("{law}.lcmlog")), &entries)?;
-    let (recording, measured) = Recording::from_transcript(scenario, &entries);
-    let csv = plan.directory.join(format!("{law}.csv"));
-    fs::write(&csv, recording.csv()).with_context(|| format!("can't write {}", csv.display()))?;
-    let Some(curve) = measured.and_then(|measured| LabelledCurve::new(law, scenario, &recording, measured))
-    else {
-        bail!(
-            "law {law}: no contact, or less than {WINDOW_S} s after it, within {} s; raise timing.duration_s or \
-             task.search_depth_m; the data are in {}",
-            scenario.timing.duration_s,
-            plan.directory.display()
-        );
+) -> Result<Vec<Row>> {
+    let port = match args.port {
+        Some(port) => RunPort::fixed(port, QUIET)?,
+        None => RunPort::free(QUIET)?,
     };
-    let (gears, kinematics) = (word(scenario.robot.gears), word(scenario.robot.kinematics));
-    Ok((Row::single(&gears, &kinematics, law, curve.metrics), curve))
+    let file = place.path().join(SCENARIO);
+    fs::write(&file, &source.text).with_context(|| format!("can't write {}", file.display()))?;
+    let (mut rows, mut curves) = (Vec::new(), Vec::new());
+    for (law, scenario, overrides) in runs {
+        let plan = Plan {
+            programs: launch::programs()?,
+            scenario: file.clone(),
+            overrides: overrides.clone(),
+            wiring: Wiring::shared(&port.device_url(), &port.simulation_url()),
+            run_id: i64::from(std::process::id()),
+            directory: place.path().to_owned(),
+        };
+        let progress = progress(law, scenario.timing.ticks());
+        let entries = launch::run(&plan, stop, |tick| progress.set_position(tick.max(0) as u64))?;
+        progress.finish_and_clear();
+        let (recording, measured) = Recording::from_transcript(scenario, &entries);
+        place.result(format!("{law}.lcmlog"), |path| {
+            transcript::write_log(path, &entries)
+        })?;
+        place
+            .result(format!("{law}.csv"), |path| fs::write(path, recording.csv()))
+            .with_context(|| format!("can't write {law}.csv"))?;
+        let curve = LabelledCurve::new(law, scenario, &recording, measured)
+            .with_context(|| format!("law {law}, whose data are in {}", args.out.display()))?;
+        let (gears, kinematics) = (word(scenario.robot.gears), word(scenario.robot.kinematics));
+        rows.push(Row::single(&gears, &kinematics, law, curve.metrics));
+        curves.push(curve);
+    }
+    place.result(FIGURE.to_owned(), |path| force_figure(&curves, path))?;
+    place.result(SCENARIO.to_owned(), |_| Ok::<_, io::Error>(()))?;
+    Ok(rows)
 }
 
 /// A choice as the scenario spells it: `Rigid` is `rigid`.

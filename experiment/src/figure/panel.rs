@@ -121,8 +121,8 @@ fn draw_axes(chart: &mut Chart<'_, '_>, last: bool) -> Drawn {
 fn draw_figures(panel: &Area<'_>, metrics: &Metrics) -> Drawn {
     let lines = [
         format!("peak {:.1} N", metrics.peak_n),
-        format!("within \u{b1}10 % after {:.0} ms", metrics.settling_10_s * 1e3),
-        format!("within \u{b1}2 % after {:.0} ms", metrics.settling_2_s * 1e3),
+        settled(10, metrics.settling_10_s),
+        settled(2, metrics.settling_2_s),
         format!("IAE {:.3} N s", metrics.iae_n_s),
     ];
     let right = Pos::new(HPos::Right, VPos::Top);
@@ -131,6 +131,13 @@ fn draw_figures(panel: &Area<'_>, metrics: &Metrics) -> Drawn {
         panel.draw(&label(text, at, SMALL, right, INK))?;
     }
     Ok(())
+}
+
+fn settled(percent: u32, after_s: f64) -> String {
+    if after_s.is_nan() {
+        return format!("never settled within \u{b1}{percent} %");
+    }
+    format!("within \u{b1}{percent} % after {:.0} ms", after_s * 1e3)
 }
 
 /// What the lines mean, in a row above the panels.

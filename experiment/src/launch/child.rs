@@ -5,7 +5,7 @@ use node::clock;
 use node::greeting::role_name;
 use spatial::ports::{NodeStatus, Role};
 use std::io::{BufRead, BufReader};
-use std::os::unix::process::ExitStatusExt;
+use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -34,12 +34,14 @@ impl Node {
             .args(["--run-id", &plan.run_id.to_string()])
             .arg("--record")
             .arg(plan.record(role))
-            .arg("--with-parent")
+            .args(["--with-parent", &std::process::id().to_string()])
             .args(plan.overrides.iter().flat_map(|change| ["--set", change]));
         if std::env::var_os("RUST_LOG").is_none() {
             command.env("RUST_LOG", "warn");
         }
+        // Ctrl-C in a terminal reaches the launcher alone, which then stops the nodes.
         command
+            .process_group(0)
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::piped());

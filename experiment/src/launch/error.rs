@@ -52,6 +52,17 @@ pub enum LaunchError {
         /// Its last words on stderr.
         last: String,
     },
+    /// A process of another run is heard.
+    #[error(
+        "another run's {} (run id {run_id}) is on this port; end it, or choose another --port",
+        role_name(*role)
+    )]
+    Foreign {
+        /// Which.
+        role: Role,
+        /// Identity of its run.
+        run_id: i64,
+    },
     /// A process is not heard of.
     #[error(
         "{} has not been heard of for {seconds} s; `touchdown doctor` checks whether multicast works here",

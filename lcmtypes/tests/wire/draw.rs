@@ -21,6 +21,14 @@ pub(crate) trait Draw {
     fn int(&mut self) -> i32 {
         self.integer() as i32
     }
+    /// A time that is accepted, us.
+    fn utime(&mut self) -> i64 {
+        self.integer() % 9_000_000_000_000_000
+    }
+    /// A tick that is accepted.
+    fn step(&mut self) -> i64 {
+        self.integer().rem_euclid(9_000_000_000_000)
+    }
     fn bool(&mut self) -> bool {
         self.integer() & 1 == 1
     }

@@ -11,8 +11,8 @@ pub(crate) trait Sample {
 
 fn stamp(draw: &mut impl Draw) -> Stamp {
     Stamp {
-        step: draw.integer(),
-        utime: draw.integer(),
+        step: draw.step(),
+        utime: draw.utime(),
         boot_id: draw.integer(),
     }
 }
@@ -82,7 +82,7 @@ impl Sample for Deflections {
         Self {
             stamp: stamp(draw),
             samples: [(); 8].map(|()| DeflectionSample {
-                utime: draw.integer(),
+                utime: draw.utime(),
                 deflection: deflection(draw),
                 wrench: wrench(draw),
                 flags: SampleFlags::from_bits(draw.int()),

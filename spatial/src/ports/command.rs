@@ -26,6 +26,7 @@ pub struct Command {
 
 impl Check for Command {
     fn check(&self) -> Result<(), Invalid> {
+        self.stamp.check()?;
         self.axis_position
             .iter()
             .try_for_each(|axes| finite("command_axis_position_rad", axes.iter()))

@@ -136,6 +136,7 @@ pub struct ControllerStatus {
 
 impl Check for ControllerStatus {
     fn check(&self) -> Result<(), Invalid> {
+        self.stamp.check()?;
         finite_pose("object_pose", &self.object_pose)?;
         finite_pose("tcp_pose", &self.tcp_pose)?;
         finite_vectors(

@@ -38,6 +38,17 @@ pub struct Stamp {
 }
 
 impl Stamp {
+    /// Whether the time is that of the tick, as in lockstep.
+    pub fn is_lockstep(&self) -> bool {
+        self.utime == self.step * crate::TICK_US
+    }
+
+    /// Steps and times beyond any experiment's would overflow in arithmetic.
+    fn check(&self) -> Result<(), Invalid> {
+        in_range("step", self.step, -1, LATEST_STEP)?;
+        check_utime(self.utime)
+    }
+
     /// The stamp of tick `step` in lockstep: simulated time, and a boot id that the seed and the role determine.
     pub fn lockstep(step: i64, seed: i64, role: Role) -> Self {
         // SplitMix64's output function: neighbouring seeds and roles give unrelated ids.
@@ -90,6 +101,15 @@ pub enum Invalid {
 pub trait Check {
     /// `Ok` or the first value that can't be used.
     fn check(&self) -> Result<(), Invalid>;
+}
+
+/// Ticks of 285 years.
+const LATEST_STEP: i64 = 9_000_000_000_000;
+
+/// A time within 285 years of the clock's epoch, either way.
+fn check_utime(utime: i64) -> Result<(), Invalid> {
+    let latest = LATEST_STEP * crate::TICK_US;
+    in_range("utime", utime, -latest, latest)
 }
 
 /// How far a quaternion's norm may be from 1: beyond any rounding, below any harm.

@@ -129,6 +129,7 @@ pub struct NodeStatus {
 
 impl Check for NodeStatus {
     fn check(&self) -> Result<(), Invalid> {
+        self.stamp.check()?;
         for latencies in [&self.answer, &self.lateness, &self.round_trip] {
             let Latencies {
                 p50_s,

@@ -67,6 +67,7 @@ pub struct RobotState {
 
 impl Check for RobotState {
     fn check(&self) -> Result<(), Invalid> {
+        self.stamp.check()?;
         in_range(
             "robot_sample_count",
             i64::from(self.sample_count),

@@ -1,6 +1,8 @@
 //! `SENSOR_DEFLECTION` and `OBJECT_POSE`: what the compliant sensor and a non-contact sensor measure.
 
-use super::{Authenticity, Check, ClockEcho, Invalid, Stamp, finite_pose, finite_vectors, in_range};
+use super::{
+    Authenticity, Check, ClockEcho, Invalid, Stamp, check_utime, finite_pose, finite_vectors, in_range,
+};
 use crate::{Deflection, Pose, Wrench};
 use nalgebra::Vector3;
 
@@ -62,7 +64,9 @@ pub struct Deflections {
 
 impl Check for Deflections {
     fn check(&self) -> Result<(), Invalid> {
+        self.stamp.check()?;
         self.samples.iter().try_for_each(|sample| {
+            check_utime(sample.utime)?;
             finite_vectors(
                 "deflection",
                 &[sample.deflection.translation, sample.deflection.rotation],
@@ -91,6 +95,7 @@ pub struct ObjectPose {
 
 impl Check for ObjectPose {
     fn check(&self) -> Result<(), Invalid> {
+        self.stamp.check()?;
         finite_pose("object_pose", &self.pose)?;
         finite_vectors("object_velocity", &[self.velocity, self.angular_velocity])?;
         super::finite("object_position_sigma_m", [&self.position_sigma_m])?;

@@ -84,6 +84,7 @@ fn finite_motion(field: &'static str, motion: &Motion) -> Result<(), Invalid> {
 
 impl Check for LinkMotion {
     fn check(&self) -> Result<(), Invalid> {
+        self.stamp.check()?;
         finite_motion("link_motion", &self.motion)?;
         finite(
             "link_energy",
@@ -99,12 +100,14 @@ impl Check for LinkMotion {
 
 impl Check for ToolMotion {
     fn check(&self) -> Result<(), Invalid> {
+        self.stamp.check()?;
         finite_motion("tool_motion", &self.motion)
     }
 }
 
 impl Check for Truth {
     fn check(&self) -> Result<(), Invalid> {
+        self.stamp.check()?;
         finite_pose("truth_tcp_pose", &self.tcp_pose)?;
         finite_vectors(
             "truth",

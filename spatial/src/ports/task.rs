@@ -120,6 +120,7 @@ pub struct Task {
 
 impl Check for Task {
     fn check(&self) -> Result<(), Invalid> {
+        self.stamp.check()?;
         self.parameters
             .values()
             .iter()

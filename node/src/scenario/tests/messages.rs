@@ -140,11 +140,10 @@ fn words_that_are_unknown_and_words_that_are_planned() {
     assert_eq!(
         refusal("timing.mode = 'lokstep'\ncontroller.law = 'magic'", &[]),
         "a.toml:1:15: timing.mode is the unknown word \"lokstep\"; choose \"lockstep\"; did you mean \"lockstep\"?\n\
-         a.toml:2:18: controller.law is the unknown word \"magic\"; choose \"pd\" or \"proposed\""
+         a.toml:2:18: controller.law is the unknown word \"magic\"; choose \"pd\" or \"proposed\" or \"literal\""
     );
     let planned = [
         ("timing.mode", "realtime"),
-        ("controller.law", "literal"),
         ("controller.law", "pd-reset"),
         ("controller.law", "elastic"),
         ("controller.law", "ros2"),
@@ -174,7 +173,7 @@ fn overrides() {
                 "tool.mass_kg=1 kg"
             ]
         ),
-        "--set controller.law=dp: controller.law is the unknown word \"dp\"; choose \"pd\" or \"proposed\"\n\
+        "--set controller.law=dp: controller.law is the unknown word \"dp\"; choose \"pd\" or \"proposed\" or \"literal\"\n\
          --set timing.seed=-1: timing.seed is -1, below the limit of 0; choose a value in 0..=9223372036854775807\n\
          --set timing.seed: not an assignment; write --set section.key=value\n\
          --set =3: not an assignment; write --set section.key=value\n\

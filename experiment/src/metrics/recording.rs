@@ -1,0 +1,219 @@
+//! What of a run is kept for its figures.
+
+use super::{Metrics, NoFigures, STEADY_S, WINDOW_S};
+use crate::in_process::Tick;
+use crate::transcript::{self, Entry};
+use nalgebra::{UnitQuaternion, Vector3};
+use node::scenario::Scenario;
+use spatial::ports::{ControllerStatus, Fault, RobotState, Role, Truth};
+use spatial::{TICK_S, rotation};
+
+/// The contact force over time as analysis sees it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ForceCurve {
+    /// Time after the first contact, s.
+    pub time_s: Vec<f64>,
+    /// Force, N.
+    pub force_n: Vec<f64>,
+}
+
+/// The truth of a run, tick by tick, as far as analysis needs it.
+#[derive(Clone, Debug)]
+pub struct Recording {
+    duration_s: f64,
+    standstill_ticks: i64,
+    desired_force_n: f64,
+    stiffness_n_per_m: f64,
+    stiffness_nm_per_rad: f64,
+    tcp_in_s: Vector3<f64>,
+    first_contact_s: Option<f64>,
+    first_fault: Option<FirstFault>,
+    ticks: Vec<Sample>,
+}
+
+/// The fault that a robot or a controller has latched first; of one tick, the robot's, who speaks first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct FirstFault {
+    tick: i64,
+    node: Role,
+    fault: Fault,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    time_s: f64,
+    deflection_z_m: f64,
+    rotation: UnitQuaternion<f64>,
+    contact_force_n: f64,
+}
+
+impl Recording {
+    /// Nothing recorded yet of a run of `scenario`.
+    pub fn new(scenario: &Scenario) -> Self {
+        Self {
+            duration_s: scenario.timing.duration_s,
+            standstill_ticks: libm::floor(scenario.task.standstill_s / TICK_S) as i64,
+            desired_force_n: scenario.task.desired_force_n,
+            stiffness_n_per_m: scenario.sensor.stiffness_n_per_m,
+            stiffness_nm_per_rad: scenario.sensor.stiffness_nm_per_rad,
+            tcp_in_s: scenario.tool.tcp_in_s_m.into(),
+            first_contact_s: None,
+            first_fault: None,
+            ticks: Vec::new(),
+        }
+    }
+
+    /// Take all that the next tick tells: the truth, and whether robot or controller have latched a fault.
+    pub fn observe(&mut self, tick: &Tick) {
+        self.push(&tick.sensor.truth);
+        if let Some(state) = &tick.robot_state {
+            self.note_robot(state);
+        }
+        if let Some(outputs) = &tick.controller {
+            self.note_controller(&outputs.status);
+        }
+    }
+
+    /// Take the truth of the next tick.
+    pub fn push(&mut self, truth: &Truth) {
+        if truth.first_contact_time_s >= 0.0 {
+            self.first_contact_s = Some(truth.first_contact_time_s);
+        }
+        self.ticks.push(Sample {
+            time_s: truth.stamp.step as f64 * TICK_S,
+            deflection_z_m: truth.tcp_deflection.translation.z,
+            rotation: truth.tcp_pose.rotation,
+            contact_force_n: truth.contact_force.z,
+        });
+    }
+
+    /// The recording of the truth in `entries`, and the force that the controller measured over time after the
+    /// first contact (after the start where there was none).
+    pub fn from_transcript(scenario: &Scenario, entries: &[Entry]) -> (Self, ForceCurve) {
+        let mut recording = Self::new(scenario);
+        transcript::messages(entries).for_each(|truth| recording.push(&truth));
+        transcript::messages(entries).for_each(|state| recording.note_robot(&state));
+        transcript::messages(entries).for_each(|status| recording.note_controller(&status));
+        let contact = recording.first_contact_s.unwrap_or(0.0);
+        let mut measured = ForceCurve::default();
+        for status in transcript::messages::<ControllerStatus>(entries) {
+            measured.time_s.push(status.stamp.step as f64 * TICK_S - contact);
+            measured.force_n.push(status.detection.statistic_n);
+        }
+        (recording, measured)
+    }
+
+    /// What a spreadsheet needs, tick by tick: `time_s,force_n,contact_force_n,orientation_rad`, time after the
+    /// first contact (after the start where there was none), force as [`Recording::force_curve`] has it.
+    pub fn csv(&self) -> String {
+        let mut text = String::from("time_s,force_n,contact_force_n,orientation_rad\n");
+        let contact = self.first_contact_s.unwrap_or(0.0);
+        let forces = self.forces().unwrap_or_default();
+        let before = self
+            .ticks
+            .first()
+            .map(|sample| sample.rotation)
+            .unwrap_or_default();
+        for (i, sample) in self.ticks.iter().enumerate() {
+            let force = forces.get(i).copied().unwrap_or(0.0);
+            let turned = rotation::log(&(sample.rotation * before.inverse())).norm();
+            let time = sample.time_s - contact;
+            text += &format!("{time:.6},{force:.6},{:.6},{turned:.9}\n", sample.contact_force_n);
+        }
+        text
+    }
+
+    /// Time of the first contact, s; `None`: there was none.
+    pub fn first_contact_s(&self) -> Option<f64> {
+        self.first_contact_s
+    }
+
+    /// The force over time after the first contact; `None` without contact.
+    pub fn force_curve(&self) -> Option<ForceCurve> {
+        let contact = self.first_contact_s?;
+        Some(ForceCurve {
+            time_s: self.ticks.iter().map(|sample| sample.time_s - contact).collect(),
+            force_n: self.forces()?,
+        })
+    }
+
+    /// The force `(s_t,z - mean at standstill) / C_tcp,zz` (N) at each tick, from the true motion before any signal
+    /// chain; `None` before the standstill is recorded.
+    ///
+    /// Deviates from PLANT.md: C_tcp,zz = 1/K_p + (l_x^2 + l_y^2)/K_phi with the lever l of the *hanging* tool
+    /// (28.05 instead of 28.27 um/N), which agrees with the true contact force at rest.
+    fn forces(&self) -> Option<Vec<f64>> {
+        let standstill = self.standstill()?;
+        let count = standstill.len() as f64;
+        let zero = standstill.iter().map(|sample| sample.deflection_z_m).sum::<f64>() / count;
+        let lever = standstill[0].rotation * self.tcp_in_s;
+        let compliance = 1.0 / self.stiffness_n_per_m + lever.xy().norm_squared() / self.stiffness_nm_per_rad;
+        Some(
+            self.ticks
+                .iter()
+                .map(|sample| (sample.deflection_z_m - zero) / compliance)
+                .collect(),
+        )
+    }
+
+    /// The figures, if there was a contact with the whole judged window after it and nobody has latched a fault.
+    pub fn metrics(&self) -> Result<Metrics, NoFigures> {
+        if let Some(FirstFault { tick, node, fault }) = self.first_fault {
+            return Err(NoFigures::Faulty { node, fault, tick });
+        }
+        let duration_s = self.duration_s;
+        let contact_s = self.first_contact_s.ok_or(NoFigures::NoContact { duration_s })?;
+        self.judge().ok_or(NoFigures::TooShort {
+            contact_s,
+            duration_s,
+        })
+    }
+
+    fn judge(&self) -> Option<Metrics> {
+        let curve = self.force_curve()?;
+        let before = self.standstill()?[0].rotation;
+        let start = curve.time_s.iter().position(|&t| t >= 0.0)?;
+        let end = curve.time_s.iter().position(|&t| t > WINDOW_S)?;
+        let desired = self.desired_force_n;
+        let (time, force) = (&curve.time_s[start..end], &curve.force_n[start..end]);
+        let error: Vec<f64> = force.iter().map(|f| f - desired).collect();
+        let settled = |band: f64| match error.iter().rposition(|e| e.abs() > band * desired) {
+            None => 0.0,
+            Some(last) if last + 1 == error.len() => f64::NAN,
+            Some(last) => time[last] + TICK_S,
+        };
+        let ticks = &self.ticks[start..end];
+        let turn = |sample: &Sample| rotation::log(&(sample.rotation * before.inverse()));
+        let steady = &ticks[ticks.len() - libm::rint(STEADY_S / TICK_S) as usize..];
+        let count = steady.len() as f64;
+        Some(Metrics {
+            peak_n: force.iter().copied().fold(0.0, f64::max),
+            settling_10_s: settled(0.10),
+            settling_2_s: settled(0.02),
+            iae_n_s: error.iter().map(|e| e.abs()).sum::<f64>() * TICK_S,
+            steady_error_n: steady.iter().map(|s| s.contact_force_n).sum::<f64>() / count - desired,
+            orientation_max_rad: ticks.iter().map(|s| turn(s).norm()).fold(0.0, f64::max),
+            orientation_end_rad: (steady.iter().map(turn).sum::<Vector3<f64>>() / count).norm(),
+        })
+    }
+
+    fn standstill(&self) -> Option<&[Sample]> {
+        let end = usize::try_from(self.standstill_ticks).ok()?.min(self.ticks.len());
+        (end > 0).then(|| &self.ticks[..end])
+    }
+
+    fn note_robot(&mut self, state: &RobotState) {
+        self.note(state.stamp.step, Role::Robot, state.fault);
+    }
+
+    fn note_controller(&mut self, status: &ControllerStatus) {
+        self.note(status.stamp.step, Role::Controller, status.fault);
+    }
+
+    fn note(&mut self, tick: i64, node: Role, fault: Fault) {
+        if fault != Fault::None {
+            let found = FirstFault { tick, node, fault };
+            self.first_fault = Some(self.first_fault.map_or(found, |first| first.min(found)));
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! Nodes started by hand, without a launcher: their faults are named in NODE_STATUS.
+
+use lcmtypes::{Lcm, LcmBuilder, Subscription};
+use node::clock;
+use rustix::process::Signal;
+use spatial::ports::{Fault, NodeStatus, Role};
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+use tests::{Bench, programs, signal};
+
+const LIMIT: Duration = Duration::from_secs(10);
+const DAY: [&str; 2] = ["--set", "timing.duration_s=86400"];
+
+/// A node; dropping it ends it.
+struct Node(Child);
+
+impl Node {
+    fn start(bench: &Bench, role: Role, arguments: &[&str]) -> Self {
+        let wiring = &bench.plan.wiring;
+        let mut command = Command::new(programs().join(node::greeting::role_name(role)));
+        command
+            .arg("--scenario")
+            .arg(&bench.plan.scenario)
+            .args(["--url", &wiring.device[role as usize]])
+            .args(["--sim-url", &wiring.world[role as usize]])
+            .args(["--with-parent", &std::process::id().to_string()])
+            .args(arguments)
+            .stderr(Stdio::inherit());
+        Self(command.spawn().unwrap())
+    }
+}
+
+impl Drop for Node {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// What the nodes of a bench say of themselves.
+struct Watch {
+    _link: Lcm,
+    statuses: Subscription<NodeStatus>,
+}
+
+impl Watch {
+    fn start(bench: &Bench) -> Self {
+        let mut link = LcmBuilder::open(&bench.plan.wiring.watch).unwrap();
+        let statuses = link.subscribe(64);
+        Self {
+            _link: link.start().unwrap(),
+            statuses,
+        }
+    }
+
+    /// The first status of `role` that is `wanted`.
+    fn until(&self, role: Role, wanted: impl Fn(&NodeStatus) -> bool) -> NodeStatus {
+        let give_up = clock::now() + LIMIT;
+        std::iter::from_fn(|| self.statuses.receiver().recv_deadline(give_up).ok())
+            .map(|received| received.message)
+            .find(|status| status.role == role && wanted(status))
+            .expect("the node says what is wrong")
+    }
+
+    fn fault(&self, role: Role) -> NodeStatus {
+        self.until(role, |status| status.fault != Fault::None)
+    }
+}
+
+#[test]
+fn nodes_with_different_configurations_refuse_each_other_with_both_values() {
+    let bench = Bench::new(&[]).unwrap();
+    let watch = Watch::start(&bench);
+    let _nodes = [
+        Node::start(&bench, Role::Sensor, &["--set", "sensor.delay_ticks=8"]),
+        Node::start(&bench, Role::Controller, &[]),
+        Node::start(&bench, Role::Robot, &[]),
+    ];
+    let refused = watch.fault(Role::Robot);
+    assert_eq!(
+        (refused.fault, refused.fault_peer),
+        (Fault::HelloMismatch, Role::Sensor)
+    );
+    assert_eq!(refused.fault_expected, refused.hello.configuration_hash);
+    assert_ne!(refused.fault_found, refused.fault_expected);
+}
+
+/// A robot that has given up tells it now and then, and does not flood the network.
+#[test]
+fn a_lone_robot_names_who_is_missing_and_keeps_calm() {
+    let bench = Bench::new(&[]).unwrap();
+    let watch = Watch::start(&bench);
+    let _robot = Node::start(&bench, Role::Robot, &[]);
+    let alone = watch.fault(Role::Robot);
+    assert_eq!((alone.fault, alone.fault_peer), (Fault::PeerSilent, Role::Sensor));
+    let end = clock::now() + Duration::from_secs(1);
+    let count = std::iter::from_fn(|| watch.statuses.receiver().recv_deadline(end).ok()).count();
+    assert!((1..=20).contains(&count), "{count} statuses in a second");
+}
+
+#[test]
+fn a_sensor_restarted_in_the_middle_is_refused() {
+    let bench = Bench::new(&[]).unwrap();
+    let watch = Watch::start(&bench);
+    let [sensor, _controller, _robot] =
+        [Role::Sensor, Role::Controller, Role::Robot].map(|role| Node::start(&bench, role, &DAY));
+    watch.until(Role::Robot, |status| status.stamp.step >= 250);
+    drop(sensor);
+    let _restarted = Node::start(&bench, Role::Sensor, &DAY);
+    let broken = watch.fault(Role::Robot);
+    assert_eq!(
+        (broken.fault, broken.fault_peer),
+        (Fault::LockstepBroken, Role::Sensor)
+    );
+    assert!(broken.fault_step >= 250, "{broken:?}");
+}
+
+#[test]
+fn a_full_disk_is_a_named_fault_of_the_node_that_records() {
+    let bench = Bench::new(&[]).unwrap();
+    let watch = Watch::start(&bench);
+    let _nodes = [
+        Node::start(
+            &bench,
+            Role::Sensor,
+            &[&DAY[..], &["--record", "/dev/full"]].concat(),
+        ),
+        Node::start(&bench, Role::Controller, &DAY),
+        Node::start(&bench, Role::Robot, &DAY),
+    ];
+    let full = watch.fault(Role::Sensor);
+    assert_eq!((full.fault, full.fault_peer), (Fault::RecordFailed, Role::Sensor));
+}
+
+#[test]
+fn a_node_that_is_asked_to_end_ends_well() {
+    let bench = Bench::new(&[]).unwrap();
+    let watch = Watch::start(&bench);
+    let [mut sensor, mut controller, mut robot] =
+        [Role::Sensor, Role::Controller, Role::Robot].map(|role| Node::start(&bench, role, &DAY));
+    watch.until(Role::Robot, |status| status.stamp.step >= 250);
+    for node in [&mut robot, &mut controller, &mut sensor] {
+        signal(node.0.id(), Signal::TERM);
+        assert!(node.0.wait().unwrap().success());
+    }
+}
