@@ -4,7 +4,7 @@
 //! There everything moves along z, so that the robot is one mass. All runs replay the commands of the first one:
 //! a contact shifted by 20 us would otherwise flip a sample and move the IAE by 3 %.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use experiment::in_process::{self, Tick};
 use experiment::metrics::{Metrics, Recording};

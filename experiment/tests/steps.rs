@@ -1,6 +1,6 @@
 //! The integration steps are chosen by convergence: the sensor's side, on the same motion of the link, against much
 //! finer steps. (In the closed loop a sample that flips by one quantum would hide what the steps do.)
-#![allow(clippy::unwrap_used, reason = "tests")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use experiment::in_process;
 use experiment::metrics::{Metrics, Recording};

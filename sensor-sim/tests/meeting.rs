@@ -1,5 +1,5 @@
 //! Robot meets object, whatever the object does: a link that moves down as prescribed presses the tool on it.
-#![allow(clippy::unwrap_used, reason = "tests")]
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use nalgebra::Vector3;
 use node::scenario::{Object, Scenario, Sensor, Tool, ToolShape};

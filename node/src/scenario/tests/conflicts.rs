@@ -1,6 +1,7 @@
 //! Values that can't be together, word for word.
 
 use super::refusal;
+use crate::scenario::Scenario;
 
 #[test]
 fn the_tare_is_within_the_standstill() {
@@ -177,5 +178,23 @@ fn friction_and_a_light_surface_need_shorter_steps() {
     assert!(
         message.contains("sensor.integration_step_s is 2e-5 s, too long"),
         "{message}"
+    );
+}
+
+#[test]
+fn force_output_needs_a_measured_wrench() {
+    let force = "[controller]\nsensor_output = 'force'\n";
+    let message = refusal(force, &[]);
+    assert!(
+        message.contains("controller.sensor_output is \"force\", but the sensor measures no wrench; set "),
+        "{message}"
+    );
+    assert!(
+        Scenario::parse(
+            "a.toml",
+            &format!("{force}[sensor]\nwrench_measured = true\n"),
+            &[]
+        )
+        .is_ok()
     );
 }
