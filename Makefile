@@ -14,7 +14,7 @@ help: ## list the targets (default)
 
 demo: ## the paper's experiment with both laws, as three processes over LCM: table, figure, data in target/demo
 	@$(build)
-	@$(touchdown) run paper --laws proposed,pd --out target/demo
+	@$(touchdown) run arm --laws proposed,pd --out target/demo
 
 test: ## all tests
 	@./setup.sh test cargo test --workspace --locked

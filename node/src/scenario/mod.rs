@@ -341,9 +341,9 @@ schema::section! {
     /// The law `pd`, eq. (1).
     Pd at "controller.pd" {
         /// Proportional gain K.
-        proportional_m_per_n: f64 = 2.75e-6, in 0.0..=1e-2;
+        proportional_m_per_n: f64 = 2.7e-6, in 0.0..=1e-2;
         /// Derivative gain D.
-        derivative_m_per_n: f64 = 11.5e-6, in 0.0..=1e-2;
+        derivative_m_per_n: f64 = 11e-6, in 0.0..=1e-2;
     }
 }
 
