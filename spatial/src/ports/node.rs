@@ -36,7 +36,7 @@ wire_enum! {
 /// What nodes must agree on before they work together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Hello {
-    /// Identity of the run, 0: any.
+    /// Identity of the run; nodes of different runs refuse each other.
     pub run_id: i64,
     /// Version of the wire contract.
     pub protocol: i32,
