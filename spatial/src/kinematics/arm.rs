@@ -118,7 +118,7 @@ impl Arm {
         Motion { pose, ..motion }
     }
 
-    /// The joint angles at which s is at `r_from_s`, on the branch of `near`; see [`newton::solve`].
+    /// The joint angles at which s is at `r_from_s`, on the branch of `near`; see the file `newton.rs`.
     pub fn inverse(&self, r_from_s: &Pose, near: &Axes) -> Result<Axes, Unreachable> {
         newton::solve(r_from_s, near, |axes| self.pose_and_jacobian(axes))
     }
