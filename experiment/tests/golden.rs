@@ -1,4 +1,4 @@
-//! The bits of a run, pinned: the same in debug and release, on every x86-64 CPU (`make bits`), today and tomorrow.
+//! The bits of a run, pinned: the same in debug and release, and on other CPUs (`make bits` emulates two).
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
