@@ -15,12 +15,14 @@
 //! | object measured once, then refined and extrapolated | [`object_model`], [`fading_memory`] | (2), (12) |
 //! | impedance as the task | [`impedance`] | II |
 //! | feed-forward of the position control | [`command_dynamics`] | Fig. 2, II-B |
+//! | desired force as a disturbance of the position control | [`disturbance`] | II-B |
 //! | posture that keeps the tool's orientation | [`posture`] | (9)-(11), Fig. 5 |
 
 pub mod approach;
 pub mod command_dynamics;
 pub mod contact;
 pub mod detection;
+pub mod disturbance;
 pub mod dofs;
 pub mod fading_memory;
 pub mod impedance;

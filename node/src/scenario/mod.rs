@@ -324,7 +324,7 @@ impl ForceControlled {
 
 schema::section! {
     /// The control law and what it assumes of robot, sensor and tool.
-    Controller at "controller" with pd: Pd, proposed: Proposed, impedance: Impedance {
+    Controller at "controller" with pd: Pd, proposed: Proposed, impedance: Impedance, servo: AssumedServo {
         /// Control law.
         law: Law = Law::Proposed;
         /// Which actual pose is taken to belong to a deflection.
@@ -384,12 +384,32 @@ schema::section! {
 schema::section! {
     /// The law `proposed`: eqs. (2) and (9) to (12) as an object model.
     Proposed at "controller.proposed" {
-        /// Weight of a new sample in the object's pose.
+        /// Weight of a new sample in the object's pose, just after the contact.
         object_filter_gain: f64 = 0.1, in 1e-3..=1.0;
+        /// The same later: the weight falls as in a mean over all samples, down to this one.
+        settled_filter_gain: f64 = 0.01, in 1e-4..=1.0;
         /// How the object is assumed to move.
         object_motion: ObjectMotion = ObjectMotion::Fixed;
         /// Bandwidth of the reference model.
-        reference_bandwidth_hz: f64 = 30.0, in 0.1..=200.0;
+        reference_bandwidth_hz: f64 = 35.0, in 0.1..=200.0;
+        /// Whether the desired force is fed forward as a disturbance of the position control.
+        disturbance_feed_forward: bool = true;
+    }
+}
+
+schema::section! {
+    /// What the controller assumes of the servos of the axes, `[robot]` as it is known from outside.
+    AssumedServo at "controller.servo" {
+        /// Gain of the position loop.
+        position_gain_per_s: f64 = 25.0, in 0.1..=500.0;
+        /// Bandwidth of the velocity loop, with the motor's inertia alone.
+        velocity_bandwidth_hz: f64 = 60.0, in 1.0..=150.0;
+        /// Integral time of the velocity loop.
+        velocity_integral_time_s: f64 = 0.03, in 1e-3..=100.0;
+        /// Inertia of each axis on the motor's side.
+        motor_inertia_kg_m2: [f64; 6] = [120.0, 120.0, 120.0, 4.0, 4.0, 4.0], in 1e-3..=1e4;
+        /// Inertia of each axis on the link's side.
+        link_inertia_kg_m2: [f64; 6] = [60.0, 60.0, 60.0, 2.0, 2.0, 2.0], in 1e-3..=1e4;
     }
 }
 
