@@ -1,11 +1,12 @@
 //! The outer loop of the paper's Fig. 2: from encoder and sensor values to the commanded pose.
 //!
-//! Pure: a [`Controller`] takes the robot's state and the sensor's samples of a cycle and answers with a command
+//! Pure: a [`Controller`] takes the robot's state and the sensors' samples of a cycle and answers with a command
 //! and its status. It sees only what a real one would. The only home of eqs. (1)-(12); each file is one idea:
 //!
 //! | Idea | File | Paper |
 //! |---|---|---|
 //! | actual pose and deflection at the same instant | [`pairing`] | below (2) |
+//! | object seen from a distance | [`object_sensor`] | |
 //! | contact or not | [`detection`] | V |
 //! | between sensor and tcp | [`transform`] | (3)-(12) |
 //! | force controlled or not, per degree of freedom | [`dofs`] | III |
@@ -29,6 +30,7 @@ pub mod impedance;
 pub mod law;
 pub mod literal;
 pub mod object_model;
+pub mod object_sensor;
 pub mod pairing;
 pub mod pd;
 pub mod posture;
@@ -41,10 +43,12 @@ mod status;
 use motion::{Motion, Sample};
 use nalgebra::Vector3;
 use node::scenario::{self, Pairing, Scenario, SensorOutput};
+use object_sensor::ObjectSensor;
 use pairing::EncoderHistory;
 use spatial::kinematics::{Axes, Kinematics};
 use spatial::ports::{
-    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, HORIZON, RobotState,
+    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, HORIZON, ObjectPose,
+    RobotState,
 };
 use spatial::{Compliance, Deflection, TICK_S, TICK_US, Wrench};
 use std::f64::consts::TAU;
@@ -67,6 +71,7 @@ pub struct Controller {
     fault: Fault,
     encoders: EncoderHistory,
     newest_sample_utime: i64,
+    object_sensor: ObjectSensor,
     tare: Tare,
     start: Axes,
     /// The set-point that the axes are to reach next.
@@ -123,6 +128,7 @@ impl Controller {
             fault: Fault::None,
             encoders: EncoderHistory::default(),
             newest_sample_utime: i64::MIN,
+            object_sensor: ObjectSensor::default(),
             tare: Tare::default(),
             start: Axes::zeros(),
             commanded: Axes::zeros(),
@@ -131,12 +137,21 @@ impl Controller {
         }
     }
 
-    /// One cycle at the tick of `state`: the command that answers it, and the status.
+    /// One cycle at the tick of `state`: the command that answers it, and the status. `object` is the non-contact
+    /// sensor's pose of the object, where one is published at that tick.
     ///
-    /// Both messages have been checked by whoever received them.
-    pub fn cycle(&mut self, state: &RobotState, deflections: &Deflections) -> Outputs {
+    /// All messages have been checked by whoever received them.
+    pub fn cycle(
+        &mut self,
+        state: &RobotState,
+        deflections: &Deflections,
+        object: Option<&ObjectPose>,
+    ) -> Outputs {
         let tick = state.stamp.step;
         self.encoders.update(state);
+        if let Some(pose) = object {
+            self.object_sensor.update(pose);
+        }
         if self.phase == ControllerPhase::Init {
             self.start = state.axis_position[0];
             self.commanded = self.start;

@@ -1,11 +1,13 @@
 //! The scenario: one TOML file per experiment, read by all nodes.
 //!
-//! Every key is declared once, below: name (its suffix is the unit), type, default, limits and one line of
-//! documentation. The structs, reading with validation, [`Scenario::hash`] and [`Scenario::keys`] follow from
-//! that. Every key is optional; the defaults are the experiment of the paper's section V on the reference plant.
+//! Every key is declared once, below or in the file of its section: name (its suffix is the unit), type, default,
+//! limits and one line of documentation. The structs, reading with validation, [`Scenario::hash`] and
+//! [`Scenario::keys`] follow from that. Every key is optional; the defaults are the experiment of the paper's
+//! section V on the reference plant.
 //!
-//! What is (`[robot]`, `[sensor]`, `[tool]`, `[object]`) and what the controller assumes (`[controller]`) are
-//! separate entries, so that every claim about a wrong compliance, delay, mass or gear can be tested.
+//! What is (`[robot]`, `[sensor]`, `[tool]`, `[object]`, `[object_sensor]`) and what the controller assumes
+//! (`[controller]`) are separate entries, so that every claim about a wrong compliance, delay, mass or gear can be
+//! tested.
 
 mod check;
 mod choice;
@@ -13,6 +15,7 @@ mod error;
 mod estimate;
 mod hash;
 mod names;
+mod object_sensor;
 mod reach;
 mod read;
 mod robot;
@@ -23,14 +26,15 @@ mod value;
 
 pub use choice::{Gears, Kinematics, ObjectMotion, Pairing, SensorOutput, TimingMode, ToolShape, Transform};
 pub use error::ScenarioError;
+pub use object_sensor::ObjectSensor;
 pub use robot::Drives;
 pub use schema::{Allowed, Key};
 pub use spatial::ports::Law;
 
 schema::section! {
     /// One experiment: what is, what is asked for, and what the controller assumes.
-    Scenario at "" with timing: Timing, robot: Robot, sensor: Sensor, tool: Tool, object: Object, task: Task,
-        controller: Controller {}
+    Scenario at "" with timing: Timing, robot: Robot, sensor: Sensor, tool: Tool, object: Object,
+        object_sensor: ObjectSensor, task: Task, controller: Controller {}
 }
 
 schema::section! {
