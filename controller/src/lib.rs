@@ -16,6 +16,7 @@
 //! | posture that keeps the tool's orientation | [`posture`] | (9)-(11), Fig. 5 |
 
 pub mod approach;
+pub mod calibration;
 pub mod command_dynamics;
 pub mod contact;
 pub mod detection;
