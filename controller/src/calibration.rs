@@ -107,7 +107,11 @@ const PASSES: usize = 8;
 /// Learn what `rests` tell. Works offline: its cost grows with their number.
 pub fn calibrate(rests: &[Rest], known: &KnownTool) -> Result<Calibration, CalibrationError> {
     check(rests)?;
-    let translation = along_gravity(rests.iter().map(|rest| (gravity(rest), rest.deflection.translation)))?;
+    let translation = along_gravity(
+        rests
+            .iter()
+            .map(|rest| (gravity(rest), rest.deflection.translation)),
+    )?;
     let mut rotation_bias = Vector3::zeros();
     let mut rotation = across(rests, &rotation_bias, |rest| rest.deflection.rotation)?;
     for _ in 1..PASSES {

@@ -15,11 +15,13 @@
 //! | feed-forward of the position control | [`command_dynamics`] | Fig. 2, II-B |
 //! | posture that keeps the tool's orientation | [`posture`] | (9)-(11), Fig. 5 |
 
+pub mod adaptation;
 pub mod approach;
 pub mod calibration;
 pub mod command_dynamics;
 pub mod contact;
 pub mod detection;
+pub mod drift;
 pub mod law;
 pub mod literal;
 pub mod object_model;
@@ -27,6 +29,7 @@ pub mod pairing;
 pub mod pd;
 pub mod posture;
 pub mod tare;
+pub mod tilting;
 pub mod transform;
 
 mod motion;
@@ -34,7 +37,7 @@ mod status;
 
 use motion::Motion;
 use nalgebra::Vector3;
-use node::scenario::{self, Pairing, Scenario, SensorOutput};
+use node::scenario::{self, Pairing, Scenario, SensorOutput, TaskKind};
 use pairing::EncoderHistory;
 use spatial::kinematics::{Axes, Kinematics};
 use spatial::ports::{
@@ -43,6 +46,7 @@ use spatial::ports::{
 use spatial::{Compliance, Deflection, TICK_S, Wrench};
 use std::f64::consts::TAU;
 use tare::Tare;
+use tilting::Tilting;
 
 /// What one cycle brings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,6 +70,8 @@ pub struct Controller {
     /// The set-point that the axes are to reach next.
     commanded: Axes,
     motion: Option<Motion>,
+    /// The way of a calibration, until it is done.
+    tilting: Option<Tilting>,
     limits: i32,
 }
 
@@ -86,6 +92,11 @@ impl Settings {
     /// Periods from a cycle to the instant at which its first set-point is reached.
     fn lead(&self) -> i64 {
         self.controller.command_delay_periods + 1
+    }
+
+    /// T, s.
+    fn period_s(&self) -> f64 {
+        self.period_ticks as f64 * TICK_S
     }
 }
 
@@ -121,6 +132,7 @@ impl Controller {
             start: Axes::zeros(),
             commanded: Axes::zeros(),
             motion: None,
+            tilting: None,
             limits: 0,
         }
     }
@@ -198,10 +210,23 @@ impl Controller {
         match self.phase {
             ControllerPhase::Sync if time >= settings.controller.tare_s && self.tare.count() > 0 => {
                 self.motion = Some(Motion::new(settings, &self.tare.mean(), &self.start));
+                self.tilting = (settings.task.kind == TaskKind::Calibrate).then(|| {
+                    Tilting::new(
+                        &settings.task,
+                        settings.d,
+                        &settings.kinematics.forward(&self.start),
+                    )
+                });
                 self.phase = ControllerPhase::Ready;
             }
-            ControllerPhase::Ready if time >= settings.task.standstill_s => {
-                self.phase = ControllerPhase::Approach;
+            ControllerPhase::Ready if time >= settings.task.standstill_s => match settings.task.kind {
+                TaskKind::Press => self.phase = ControllerPhase::Approach,
+                TaskKind::Calibrate if self.tilting.is_some() => self.phase = ControllerPhase::Calibrate,
+                TaskKind::Calibrate => {}
+            },
+            ControllerPhase::Calibrate if self.tilting.is_some_and(|tilting| tilting.done()) => {
+                self.tilting = None;
+                self.phase = ControllerPhase::Ready;
             }
             _ => {}
         }
@@ -240,7 +265,14 @@ impl Controller {
         if self.fault == Fault::Unreachable {
             return held;
         }
-        let Ok((set_points, bound)) = motion.set_points(&self.settings, tick, actual, &self.commanded) else {
+        let settings = &self.settings;
+        let answer = match &mut self.tilting {
+            Some(tilting) if self.phase == ControllerPhase::Calibrate => {
+                tilting.set_points(settings, actual, &self.commanded)
+            }
+            _ => motion.set_points(settings, tick, actual, &self.commanded),
+        };
+        let Ok((set_points, bound)) = answer else {
             self.phase = ControllerPhase::Fault;
             self.fault = Fault::Unreachable;
             return held;

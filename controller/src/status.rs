@@ -58,6 +58,9 @@ impl Controller {
             task_parameter: -1,
             task_limit: 0.0,
         };
+        if let Some(rest) = self.tilting.and_then(|tilting| tilting.measuring(settings)) {
+            status.program_step = rest as i32;
+        }
         let Some(motion) = &self.motion else {
             return status;
         };

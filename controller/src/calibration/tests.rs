@@ -80,10 +80,7 @@ fn cell() -> impl Strategy<Value = Cell> {
                     translation: p,
                     rotation: phi,
                 },
-                wrench_bias: Wrench {
-                    force: f,
-                    moment: m,
-                },
+                wrench_bias: Wrench { force: f, moment: m },
             }
         })
 }
@@ -201,10 +198,7 @@ fn without_mass_or_centre_the_error_names_what_is_missing() {
 fn what_is_not_identifiable_is_refused() {
     let cell = reference();
     let refused = |turns: &[Vector3<f64>]| {
-        let rests: Vec<_> = turns
-            .iter()
-            .map(|&turn| cell.rest(rotation::exp(turn)))
-            .collect();
+        let rests: Vec<_> = turns.iter().map(|&turn| cell.rest(rotation::exp(turn))).collect();
         calibrate(&rests, &KnownTool::default()).unwrap_err()
     };
     let about = |axis: Vector3<f64>| [0.0, 0.3, -0.3, 0.2].map(|angle| axis * angle);

@@ -113,6 +113,14 @@ impl Scenario {
              true or controller.sensor_output = \"deflection\""
                 .to_owned(),
         );
+        conflicts.require(
+            !self.controller.adaptation.enabled || self.sensor.wrench_measured,
+            &["controller.adaptation.enabled", "sensor.wrench_measured"],
+            "controller.adaptation.enabled is true, but the sensor measures no wrench, and the compliance can't be \
+             learnt from the deflection alone; set sensor.wrench_measured = true or controller.adaptation.enabled = \
+             false"
+                .to_owned(),
+        );
     }
 
     fn check_profile(&self, conflicts: &mut Conflicts) {

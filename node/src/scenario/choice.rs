@@ -51,6 +51,16 @@ pub enum SensorOutput {
     Force,
 }
 
+/// What the robot is to do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TaskKind {
+    /// Approach an object and press.
+    #[default]
+    Press,
+    /// Rest in tilted orientations, without contact, to learn what sensor and tool are.
+    Calibrate,
+}
+
 /// What of the tool may touch the object.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ToolShape {
@@ -110,5 +120,6 @@ choice!(Kinematics: "gantry" => Gantry, "arm" => Arm);
 choice!(Gears: "rigid" => Rigid, "elastic" => Elastic);
 choice!(Pairing: "sampling" => Sampling, "arrival" => Arrival);
 choice!(SensorOutput: "deflection" => Deflection, "force" => Force);
+choice!(TaskKind: "press" => Press, "calibrate" => Calibrate);
 choice!(ToolShape: "point" => Point, "face" => Face, "peg" => Peg);
 choice!(Law: "pd" => Pd, "proposed" => Proposed, "literal" => Literal; planned: "pd-reset", "elastic", "ros2", "fzi");

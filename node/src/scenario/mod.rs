@@ -21,7 +21,7 @@ mod schema;
 mod tests;
 mod value;
 
-pub use choice::{Gears, Kinematics, Pairing, SensorOutput, TimingMode, ToolShape};
+pub use choice::{Gears, Kinematics, Pairing, SensorOutput, TaskKind, TimingMode, ToolShape};
 pub use error::ScenarioError;
 pub use robot::Drives;
 pub use schema::{Allowed, Key};
@@ -279,6 +279,8 @@ schema::section! {
 schema::section! {
     /// What is asked for.
     Task at "task" {
+        /// What the robot is to do.
+        kind: TaskKind = TaskKind::Press;
         /// Where the tcp starts, in r.
         start_position_m: [f64; 3] = [0.0, 0.0, 0.030], in -10.0..=10.0;
         /// Standstill before the approach.
@@ -291,12 +293,16 @@ schema::section! {
         approach_speed_m_per_s: f64 = 0.020, in 0.0005..=1.0;
         /// Desired normal force.
         desired_force_n: f64 = 10.0, in 0.1..=1e5;
+        /// How far a calibration tilts the tool about its tcp.
+        calibration_tilt_rad: f64 = 0.3, in 0.01..=1.5;
+        /// How long a calibration rests in each orientation; over the second half it measures.
+        calibration_rest_s: f64 = 1.0, in 0.02..=60.0;
     }
 }
 
 schema::section! {
     /// The control law and what it assumes of robot, sensor and tool.
-    Controller at "controller" with pd: Pd, proposed: Proposed {
+    Controller at "controller" with adaptation: Adaptation, pd: Pd, proposed: Proposed {
         /// Control law.
         law: Law = Law::Proposed;
         /// Which actual pose is taken to belong to a deflection.
@@ -311,6 +317,10 @@ schema::section! {
         compliance_rad_per_nm: f64 = 2.4933303e-3, in 1e-7..=10.0;
         /// Assumed tool centre point in s.
         tcp_in_s_m: [f64; 3] = [0.10, 0.0, -0.15], in -5.0..=5.0;
+        /// Known mass of the tool, which a calibration needs if no wrench is measured; 0: not known.
+        tool_mass_kg: f64 = 4.0, in 0.0..=1e4;
+        /// Known centre of mass in s, which it needs too then; zero: not known.
+        tool_centre_of_mass_in_s_m: [f64; 3] = [0.03, 0.0, -0.06], in -5.0..=5.0;
         /// Assumed corner of the sensor's low pass.
         sensor_bandwidth_hz: f64 = 200.0, in 1.0..=5000.0;
         /// Assumed periods T from a command to its effect.
@@ -328,12 +338,34 @@ schema::section! {
         apparent_mass_kg: f64 = 4.0, in 0.0..=1e5;
         /// How fast that rise fades: as long as tool and gears ring on.
         detection_fading_s: f64 = 0.2, in 1e-3..=10.0;
+        /// Slow force that the sensor may show before contact, since the tare; beyond, its drift is published.
+        drift_limit_n: f64 = 0.4, in 1e-3..=1e4;
         /// Deviation from the desired force within which the force counts as settled.
         settled_band_n: f64 = 0.5, in 1e-3..=1e4;
         /// Time over which the tilt to the desired posture is spread after contact.
         tilt_time_s: f64 = 0.1, in 1e-3..=10.0;
         /// Bound of command minus actual position.
         max_lead_m: f64 = 0.003, in 1e-5..=1.0;
+    }
+}
+
+schema::section! {
+    /// The adaptation of the compliance in contact, from the deflection and a wrench measured independently of it.
+    Adaptation at "controller.adaptation" {
+        /// Whether the compliance is adapted.
+        enabled: bool = false;
+        /// Weight of a new sample (each ms) in the compliance.
+        gain: f64 = 0.02, in 1e-5..=1.0;
+        /// Time after the detected contact from which samples count.
+        start_delay_s: f64 = 0.03, in 0.0..=10.0;
+        /// Contact force above which a sample tells of the translational compliance.
+        force_gate_n: f64 = 3.0, in 1e-3..=1e5;
+        /// Contact moment at s above which a sample tells of the rotational compliance.
+        moment_gate_nm: f64 = 0.2, in 1e-4..=1e4;
+        /// Least multiple of the configured compliance.
+        minimum_ratio: f64 = 0.3, in 0.01..=1.0;
+        /// Largest multiple of the configured compliance.
+        maximum_ratio: f64 = 3.5, in 1.0..=100.0;
     }
 }
 

@@ -278,6 +278,10 @@ mod tests {
                 "object.exponent",
                 "object.friction",
                 "controller.filter_damping",
+                "controller.adaptation.enabled",
+                "controller.adaptation.gain",
+                "controller.adaptation.minimum_ratio",
+                "controller.adaptation.maximum_ratio",
                 "controller.proposed.object_filter_gain",
             ]
         );

@@ -198,3 +198,13 @@ fn force_output_needs_a_measured_wrench() {
         .is_ok()
     );
 }
+
+#[test]
+fn adaptation_needs_a_measured_wrench() {
+    assert_eq!(
+        refusal("controller.adaptation.enabled = true", &[]),
+        "a.toml:1:23: controller.adaptation.enabled is true, but the sensor measures no wrench, and the compliance \
+         can't be learnt from the deflection alone; set sensor.wrench_measured = true or \
+         controller.adaptation.enabled = false"
+    );
+}

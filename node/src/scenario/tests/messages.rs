@@ -3,7 +3,7 @@
 use super::refusal;
 use crate::scenario::{Scenario, schema::Entry};
 
-const SECTIONS: &str = "[timing], [robot], [robot.gantry], [robot.arm], [sensor], [tool], [object], [task], [controller], [controller.pd], \
+const SECTIONS: &str = "[timing], [robot], [robot.gantry], [robot.arm], [sensor], [tool], [object], [task], [controller], [controller.adaptation], [controller.pd], \
                         [controller.proposed]";
 
 const OBJECT_KEYS: &str = "height_m, indentation_n_per_m, rebound_ratio, exponent, friction, friction_speed_m_per_s, origin_m, \
