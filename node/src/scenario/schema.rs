@@ -277,12 +277,18 @@ mod tests {
                 "object.rebound_ratio",
                 "object.exponent",
                 "object.friction",
+                "task.force_controlled.x",
+                "task.force_controlled.y",
+                "task.force_controlled.z",
+                "task.force_controlled.about_x",
+                "task.force_controlled.about_y",
+                "task.force_controlled.about_z",
                 "controller.filter_damping",
+                "controller.proposed.object_filter_gain",
                 "controller.adaptation.enabled",
                 "controller.adaptation.gain",
                 "controller.adaptation.minimum_ratio",
                 "controller.adaptation.maximum_ratio",
-                "controller.proposed.object_filter_gain",
             ]
         );
     }
