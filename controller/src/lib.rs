@@ -40,6 +40,8 @@ pub mod transform;
 mod motion;
 mod status;
 
+use adaptation::Adaptation;
+use drift::DriftWatch;
 use motion::{Motion, Sample};
 use nalgebra::Vector3;
 use node::scenario::{self, Pairing, Scenario, SensorOutput, TaskKind};
@@ -52,6 +54,7 @@ use spatial::{Compliance, Deflection, TICK_S, TICK_US, Wrench};
 use std::f64::consts::TAU;
 use tare::Tare;
 use tilting::Tilting;
+use transform::deflection_at_tcp;
 
 /// What one cycle brings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,6 +74,8 @@ pub struct Controller {
     encoders: EncoderHistory,
     newest_sample_utime: i64,
     tare: Tare,
+    drift: DriftWatch,
+    adaptation: Option<Adaptation>,
     start: Axes,
     /// The set-point that the axes are to reach next.
     commanded: Axes,
@@ -112,6 +117,8 @@ impl Controller {
     /// The scenario's controller, knowing nothing yet.
     pub fn new(scenario: &Scenario) -> Self {
         let controller = &scenario.controller;
+        let compliance =
+            Compliance::isotropic(controller.compliance_m_per_n, controller.compliance_rad_per_nm);
         Self {
             settings: Settings {
                 seed: scenario.timing.seed,
@@ -119,10 +126,7 @@ impl Controller {
                 task: scenario.task.clone(),
                 controller: controller.clone(),
                 kinematics: scenario.robot.kinematics(),
-                compliance: Compliance::isotropic(
-                    controller.compliance_m_per_n,
-                    controller.compliance_rad_per_nm,
-                ),
+                compliance,
                 d: controller.tcp_in_s_m.into(),
                 desired: Wrench {
                     force: Vector3::new(0.0, 0.0, scenario.task.desired_force_n),
@@ -134,6 +138,9 @@ impl Controller {
             encoders: EncoderHistory::default(),
             newest_sample_utime: i64::MIN,
             tare: Tare::default(),
+            drift: DriftWatch::new(controller.drift_limit_n),
+            adaptation: (controller.adaptation.enabled)
+                .then(|| Adaptation::new(&controller.adaptation, compliance)),
             start: Axes::zeros(),
             commanded: Axes::zeros(),
             motion: None,
@@ -159,6 +166,9 @@ impl Controller {
                 self.take(sample, tick);
             }
         }
+        if let (Some(motion), Some(adaptation)) = (&mut self.motion, &self.adaptation) {
+            motion.plan(&self.settings, &adaptation.compliance());
+        }
         self.change_phase(tick);
         let axis_position = self.set_points(tick, &state.axis_position[0]);
         Outputs {
@@ -181,27 +191,60 @@ impl Controller {
         let deflection = self.deflection_of(sample);
         let (axes, time_s) = self.paired_with(sample, tick);
         let Some(motion) = &mut self.motion else {
-            self.tare.add(&deflection);
+            let normal_in_s = self.settings.kinematics.forward(&self.start).rotation.inverse() * Vector3::z();
+            let at_tcp = deflection_at_tcp(&deflection, self.settings.d);
+            self.tare.add(sample, normal_in_s.dot(&at_tcp.translation));
             return;
         };
-        let approaching = self.phase == ControllerPhase::Approach;
-        let sample = Sample {
+        let taken = Sample {
             time_s,
             tick: sample.utime / TICK_US,
             deflection,
             flags: sample.flags,
             axes,
         };
-        motion.take(&self.settings, &sample, approaching, tick);
+        let approaching = self.phase == ControllerPhase::Approach;
+        motion.take(&self.settings, &taken, approaching, tick);
+        match motion.contact_tick() {
+            None if self.phase != ControllerPhase::Calibrate => self.drift.take(motion.normal_force_n()),
+            None => {}
+            Some(contact_tick) => self.adapt(sample, (taken.tick - contact_tick) as f64 * TICK_S),
+        }
+    }
+
+    /// What a sample, `in_contact_s` after the contact was detected, tells of the compliance.
+    fn adapt(&mut self, sample: &DeflectionSample, in_contact_s: f64) {
+        let measured = sample.flags.wrench_measured && !sample.flags.saturated;
+        if let (Some(adaptation), true) = (&mut self.adaptation, measured) {
+            let deflection = sample.deflection - self.tare.deflection();
+            adaptation.take(in_contact_s, &deflection, &(sample.wrench - self.tare.wrench()));
+        }
     }
 
     /// The deflection that a sample stands for. Paper (3), (4): a sensor that outputs forces is turned back into
-    /// one that outputs deflections, with the assumed compliance.
+    /// one that outputs deflections, with the compliance as it is known.
     fn deflection_of(&self, sample: &DeflectionSample) -> Deflection {
         match self.settings.controller.sensor_output {
             SensorOutput::Deflection => sample.deflection,
+            SensorOutput::Force if self.motion.is_some() => {
+                self.zero() + self.compliance() * (sample.wrench - self.tare.wrench())
+            }
             SensorOutput::Force => self.settings.compliance * sample.wrench,
         }
+    }
+
+    /// The deflection that counts as zero force; of forces that which the configured compliance gives their tare.
+    fn zero(&self) -> Deflection {
+        match self.settings.controller.sensor_output {
+            SensorOutput::Deflection => self.tare.deflection(),
+            SensorOutput::Force => self.settings.compliance * self.tare.wrench(),
+        }
+    }
+
+    /// The compliance as it is known: configured or adapted.
+    fn compliance(&self) -> Compliance {
+        self.adaptation
+            .map_or(self.settings.compliance, |adaptation| adaptation.compliance())
     }
 
     /// The axes that belong to a sample, and when (s): those at its instant, less what the sensor's low pass delays.
@@ -222,7 +265,12 @@ impl Controller {
         let time = tick as f64 * TICK_S;
         match self.phase {
             ControllerPhase::Sync if time >= settings.controller.tare_s && self.tare.count() > 0 => {
-                self.motion = Some(Motion::new(settings, &self.tare.mean(), &self.start));
+                self.motion = Some(Motion::new(
+                    settings,
+                    &self.zero(),
+                    self.tare.noise_m(),
+                    &self.start,
+                ));
                 self.tilting = (settings.task.kind == TaskKind::Calibrate).then(|| {
                     Tilting::new(
                         &settings.task,
