@@ -22,11 +22,14 @@
 //! about s is that about s'. A sensor that is not shows up in the residuals.
 
 mod error;
+mod estimate;
 mod least_squares;
 
 pub use error::CalibrationError;
+pub use estimate::Estimate;
+use estimate::{Moment, bias, positive, quotient, ratio};
 use least_squares::{Fit, fit};
-use nalgebra::{Matrix3, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use spatial::{Deflection, GRAVITY_M_PER_S2, Wrench, rotation};
 
 /// What was measured, on average, while sensor and tool were at rest.
@@ -47,15 +50,6 @@ pub struct KnownTool {
     pub mass_kg: Option<f64>,
     /// c in s, m.
     pub centre_of_mass_in_s_m: Option<Vector3<f64>>,
-}
-
-/// A value and its standard deviation, both in the value's unit.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Estimate<T> {
-    /// The least-squares estimate.
-    pub value: T,
-    /// Its standard deviation, from the residuals.
-    pub sigma: T,
 }
 
 /// What the rests tell.
@@ -156,22 +150,6 @@ pub fn calibrate(rests: &[Rest], known: &KnownTool) -> Result<Calibration, Calib
         translation_residual_m: translation.residual_rms,
         rotation_residual_rad: rotation.residual_rms,
     })
-}
-
-/// The first moment M c, or C_phi M c, with its covariance.
-#[derive(Clone, Copy, Debug)]
-struct Moment {
-    value: Vector3<f64>,
-    covariance: Matrix3<f64>,
-}
-
-impl Moment {
-    fn of(fit: &Fit<6>) -> Self {
-        Self {
-            value: fit.value.fixed_rows::<3>(0).into_owned(),
-            covariance: fit.covariance.fixed_view::<3, 3>(0, 0).into_owned(),
-        }
-    }
 }
 
 /// What the wrenches tell.
@@ -299,56 +277,6 @@ fn across_gravity(
         rows.fixed_view_mut::<3, 3>(0, 3).fill_with_identity();
         (rows, y)
     }))
-}
-
-impl Fit<6> {
-    /// The first and the last three unknowns.
-    fn halves(&self) -> (Estimate<Vector3<f64>>, Estimate<Vector3<f64>>) {
-        let sigma = Vector6::from_fn(|i, _| self.sigma(i));
-        let half = |start| Estimate {
-            value: self.value.fixed_rows::<3>(start).into_owned(),
-            sigma: sigma.fixed_rows::<3>(start).into_owned(),
-        };
-        (half(0), half(3))
-    }
-}
-
-/// y_0 of [`along_gravity`].
-fn bias(fit: &Fit<4>) -> Estimate<Vector3<f64>> {
-    Estimate {
-        value: fit.value.fixed_rows::<3>(1).into_owned(),
-        sigma: Vector3::from_fn(|i, _| fit.sigma(i + 1)),
-    }
-}
-
-/// The quotient of two independent estimates, with the error's propagation to first order.
-fn quotient(numerator: Estimate<f64>, denominator: Estimate<f64>) -> Estimate<f64> {
-    let value = numerator.value / denominator.value;
-    let (a, b) = (numerator.sigma, value * denominator.sigma);
-    Estimate {
-        value,
-        sigma: (a * a + b * b).sqrt() / denominator.value.abs(),
-    }
-}
-
-/// C_phi such that `b = C_phi h` in the least-squares sense, `b . h / h . h`; errors to first order around `b = C_phi h`.
-fn ratio(b: &Moment, h: &Moment) -> Estimate<f64> {
-    let square = h.value.norm_squared();
-    let value = b.value.dot(&h.value) / square;
-    let along_h = |covariance: &Matrix3<f64>| h.value.dot(&(covariance * h.value));
-    Estimate {
-        value,
-        sigma: (along_h(&b.covariance) + value * value * along_h(&h.covariance)).sqrt() / square,
-    }
-}
-
-fn positive(quantity: &'static str, estimate: Estimate<f64>) -> Result<Estimate<f64>, CalibrationError> {
-    let value = estimate.value;
-    if value > 0.0 && value.is_finite() {
-        Ok(estimate)
-    } else {
-        Err(CalibrationError::NotPositive { quantity, value })
-    }
 }
 
 #[cfg(test)]

@@ -1,11 +1,12 @@
 //! The outer loop of the paper's Fig. 2: from encoder and sensor values to the commanded pose.
 //!
-//! Pure: a [`Controller`] takes the robot's state and the sensor's samples of a cycle and answers with a command
+//! Pure: a [`Controller`] takes the robot's state and the sensors' samples of a cycle and answers with a command
 //! and its status. It sees only what a real one would. The only home of eqs. (1)-(12); each file is one idea:
 //!
 //! | Idea | File | Paper |
 //! |---|---|---|
 //! | actual pose and deflection at the same instant | [`pairing`] | below (2) |
+//! | object seen from a distance | [`object_sensor`] | |
 //! | contact or not | [`detection`] | V |
 //! | between sensor and tcp | [`transform`] | (3)-(12) |
 //! | force controlled or not, per degree of freedom | [`dofs`] | III |
@@ -15,6 +16,7 @@
 //! | object measured once, then refined and extrapolated | [`object_model`], [`fading_memory`] | (2), (12) |
 //! | impedance as the task | [`impedance`] | II |
 //! | feed-forward of the position control | [`command_dynamics`] | Fig. 2, II-B |
+//! | desired force as a disturbance of the position control | [`disturbance`] | II-B |
 //! | posture that keeps the tool's orientation | [`posture`] | (9)-(11), Fig. 5 |
 
 pub mod adaptation;
@@ -23,6 +25,7 @@ pub mod calibration;
 pub mod command_dynamics;
 pub mod contact;
 pub mod detection;
+pub mod disturbance;
 pub mod dofs;
 pub mod drift;
 pub mod fading_memory;
@@ -30,6 +33,7 @@ pub mod impedance;
 pub mod law;
 pub mod literal;
 pub mod object_model;
+pub mod object_sensor;
 pub mod pairing;
 pub mod pd;
 pub mod posture;
@@ -38,21 +42,22 @@ pub mod tilting;
 pub mod transform;
 
 mod motion;
+mod sensing;
 mod status;
 
-use adaptation::Adaptation;
-use drift::DriftWatch;
 use motion::{Motion, Sample};
 use nalgebra::Vector3;
-use node::scenario::{self, Pairing, Scenario, SensorOutput, TaskKind};
+use node::scenario::{self, Pairing, Scenario, TaskKind};
+use object_sensor::ObjectSensor;
 use pairing::EncoderHistory;
+use sensing::Sensing;
 use spatial::kinematics::{Axes, Kinematics};
 use spatial::ports::{
-    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, HORIZON, RobotState,
+    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, HORIZON, ObjectPose,
+    RobotState,
 };
-use spatial::{Compliance, Deflection, TICK_S, TICK_US, Wrench};
+use spatial::{Compliance, TICK_S, TICK_US, Wrench};
 use std::f64::consts::TAU;
-use tare::Tare;
 use tilting::Tilting;
 use transform::deflection_at_tcp;
 
@@ -73,9 +78,8 @@ pub struct Controller {
     fault: Fault,
     encoders: EncoderHistory,
     newest_sample_utime: i64,
-    tare: Tare,
-    drift: DriftWatch,
-    adaptation: Option<Adaptation>,
+    object_sensor: ObjectSensor,
+    sensing: Sensing,
     start: Axes,
     /// The set-point that the axes are to reach next.
     commanded: Axes,
@@ -137,10 +141,8 @@ impl Controller {
             fault: Fault::None,
             encoders: EncoderHistory::default(),
             newest_sample_utime: i64::MIN,
-            tare: Tare::default(),
-            drift: DriftWatch::new(controller.drift_limit_n),
-            adaptation: (controller.adaptation.enabled)
-                .then(|| Adaptation::new(&controller.adaptation, compliance)),
+            object_sensor: ObjectSensor::default(),
+            sensing: Sensing::new(controller, compliance),
             start: Axes::zeros(),
             commanded: Axes::zeros(),
             motion: None,
@@ -149,25 +151,34 @@ impl Controller {
         }
     }
 
-    /// One cycle at the tick of `state`: the command that answers it, and the status.
+    /// One cycle at the tick of `state`: the command that answers it, and the status. `object` is the non-contact
+    /// sensor's pose of the object, where one is published at that tick.
     ///
-    /// Both messages have been checked by whoever received them.
-    pub fn cycle(&mut self, state: &RobotState, deflections: &Deflections) -> Outputs {
+    /// All messages have been checked by whoever received them.
+    pub fn cycle(
+        &mut self,
+        state: &RobotState,
+        deflections: &Deflections,
+        object: Option<&ObjectPose>,
+    ) -> Outputs {
         let tick = state.stamp.step;
         self.encoders.update(state);
+        if let Some(pose) = object {
+            self.object_sensor.update(pose);
+        }
         if self.phase == ControllerPhase::Init {
             self.start = state.axis_position[0];
             self.commanded = self.start;
             self.phase = ControllerPhase::Sync;
         }
         for sample in deflections.samples.iter().rev() {
-            if self.usable(sample) && sample.utime > self.newest_sample_utime {
+            if self.sensing.usable(sample) && sample.utime > self.newest_sample_utime {
                 self.newest_sample_utime = sample.utime;
                 self.take(sample, tick);
             }
         }
-        if let (Some(motion), Some(adaptation)) = (&mut self.motion, &self.adaptation) {
-            motion.plan(&self.settings, &adaptation.compliance());
+        if let (Some(motion), Some(compliance)) = (&mut self.motion, self.sensing.adapted()) {
+            motion.plan(&self.settings, &compliance);
         }
         self.change_phase(tick);
         let axis_position = self.set_points(tick, &state.axis_position[0]);
@@ -177,23 +188,15 @@ impl Controller {
         }
     }
 
-    /// Whether a sample tells anything: it was taken, and it carries the output that is used.
-    fn usable(&self, sample: &DeflectionSample) -> bool {
-        let flags = sample.flags;
-        match self.settings.controller.sensor_output {
-            SensorOutput::Deflection => flags.valid,
-            SensorOutput::Force => flags.valid && flags.wrench_measured,
-        }
-    }
-
     /// One sample of the sensor, paired with the axes at its instant.
     fn take(&mut self, sample: &DeflectionSample, tick: i64) {
-        let deflection = self.deflection_of(sample);
+        let deflection = self.sensing.deflection(sample);
         let (axes, time_s) = self.paired_with(sample, tick);
         let Some(motion) = &mut self.motion else {
             let normal_in_s = self.settings.kinematics.forward(&self.start).rotation.inverse() * Vector3::z();
             let at_tcp = deflection_at_tcp(&deflection, self.settings.d);
-            self.tare.add(sample, normal_in_s.dot(&at_tcp.translation));
+            self.sensing
+                .take_at_rest(sample, normal_in_s.dot(&at_tcp.translation));
             return;
         };
         let taken = Sample {
@@ -206,45 +209,14 @@ impl Controller {
         let approaching = self.phase == ControllerPhase::Approach;
         motion.take(&self.settings, &taken, approaching, tick);
         match motion.contact_tick() {
-            None if self.phase != ControllerPhase::Calibrate => self.drift.take(motion.normal_force_n()),
-            None => {}
-            Some(contact_tick) => self.adapt(sample, (taken.tick - contact_tick) as f64 * TICK_S),
-        }
-    }
-
-    /// What a sample, `in_contact_s` after the contact was detected, tells of the compliance.
-    fn adapt(&mut self, sample: &DeflectionSample, in_contact_s: f64) {
-        let measured = sample.flags.wrench_measured && !sample.flags.saturated;
-        if let (Some(adaptation), true) = (&mut self.adaptation, measured) {
-            let deflection = sample.deflection - self.tare.deflection();
-            adaptation.take(in_contact_s, &deflection, &(sample.wrench - self.tare.wrench()));
-        }
-    }
-
-    /// The deflection that a sample stands for. Paper (3), (4): a sensor that outputs forces is turned back into
-    /// one that outputs deflections, with the compliance as it is known.
-    fn deflection_of(&self, sample: &DeflectionSample) -> Deflection {
-        match self.settings.controller.sensor_output {
-            SensorOutput::Deflection => sample.deflection,
-            SensorOutput::Force if self.motion.is_some() => {
-                self.zero() + self.compliance() * (sample.wrench - self.tare.wrench())
+            Some(contact_tick) => {
+                let in_contact_s = (taken.tick - contact_tick) as f64 * TICK_S;
+                self.sensing.take_in_contact(sample, in_contact_s);
             }
-            SensorOutput::Force => self.settings.compliance * sample.wrench,
+            // A tilted tool hangs in another way.
+            None if self.phase == ControllerPhase::Calibrate => {}
+            None => self.sensing.take_free(motion.normal_force_n()),
         }
-    }
-
-    /// The deflection that counts as zero force; of forces that which the configured compliance gives their tare.
-    fn zero(&self) -> Deflection {
-        match self.settings.controller.sensor_output {
-            SensorOutput::Deflection => self.tare.deflection(),
-            SensorOutput::Force => self.settings.compliance * self.tare.wrench(),
-        }
-    }
-
-    /// The compliance as it is known: configured or adapted.
-    fn compliance(&self) -> Compliance {
-        self.adaptation
-            .map_or(self.settings.compliance, |adaptation| adaptation.compliance())
     }
 
     /// The axes that belong to a sample, and when (s): those at its instant, less what the sensor's low pass delays.
@@ -264,21 +236,13 @@ impl Controller {
         let settings = &self.settings;
         let time = tick as f64 * TICK_S;
         match self.phase {
-            ControllerPhase::Sync if time >= settings.controller.tare_s && self.tare.count() > 0 => {
-                self.motion = Some(Motion::new(
-                    settings,
-                    &self.zero(),
-                    self.tare.noise_m(),
-                    &self.start,
-                ));
-                self.tilting = (settings.task.kind == TaskKind::Calibrate).then(|| {
-                    Tilting::new(
-                        &settings.task,
-                        settings.d,
-                        &settings.kinematics.forward(&self.start),
-                    )
-                });
-                self.phase = ControllerPhase::Ready;
+            ControllerPhase::Sync if time >= settings.controller.tare_s => {
+                if let Some(noise_m) = self.sensing.finish_tare() {
+                    let zero = self.sensing.zero();
+                    self.motion = Some(Motion::new(settings, &zero, noise_m, &self.start));
+                    self.tilting = Tilting::of(settings, &self.start);
+                    self.phase = ControllerPhase::Ready;
+                }
             }
             ControllerPhase::Ready if time >= settings.task.standstill_s => match settings.task.kind {
                 TaskKind::Press => self.phase = ControllerPhase::Approach,

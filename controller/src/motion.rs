@@ -5,6 +5,7 @@ use crate::approach::{Approach, PathPoint, spread};
 use crate::command_dynamics::CommandDynamics;
 use crate::contact::{Aim, ContactSample, PREVIEW, Situation};
 use crate::detection::Detector;
+use crate::disturbance::Disturbance;
 use crate::dofs::{Dofs, NORMAL, Selection, TaskFrame, TcpCompliance, displacement};
 use crate::law::{ForceControl, feeds_forward};
 use crate::posture::Posture;
@@ -29,6 +30,8 @@ pub(crate) struct Motion {
     /// Tick at which the approach began.
     start_tick: Option<i64>,
     dynamics: CommandDynamics,
+    /// Where the servos have yielded to when the next set-point begins to act.
+    disturbance: Disturbance,
     detector: Detector,
     force_control: ForceControl,
     contact: Option<Contact>,
@@ -129,6 +132,7 @@ impl Motion {
                 settings.period_ticks,
                 *start,
             ),
+            disturbance: Disturbance::new(&controller.servo),
             detector: Detector::new(
                 controller.detection_threshold_n.max(ABOVE_NOISE * noise_n),
                 controller.apparent_mass_kg,
@@ -227,8 +231,14 @@ impl Motion {
         }
         let axes = self.inverse(settings, &coordinates)?;
         let mut set_points = if leads {
-            let bandwidth = TAU * settings.controller.proposed.reference_bandwidth_hz;
-            self.dynamics.follow(&axes, bandwidth)
+            let proposed = &settings.controller.proposed;
+            let mut led = axes;
+            if proposed.disturbance_feed_forward && self.contact.is_some() {
+                for (axes, deviation) in led.iter_mut().zip(self.deviations(settings, &axes[0])) {
+                    *axes -= deviation;
+                }
+            }
+            self.dynamics.follow(&led, TAU * proposed.reference_bandwidth_hz)
         } else {
             std::array::from_fn(|i| axes[i])
         };
@@ -294,6 +304,26 @@ impl Motion {
                 period_s,
             },
         )
+    }
+
+    /// How far the servos at `axes` will have yielded to the desired wrench at the coming instants; the first of them is
+    /// kept for the next cycle.
+    fn deviations(&mut self, settings: &Settings, axes: &Axes) -> [Axes; PREVIEW] {
+        let r_from_s = settings.kinematics.forward(axes);
+        let lever = self.posture.hanging_tcp(&r_from_s).translation.vector - r_from_s.translation.vector;
+        let desired = &settings.desired;
+        let at_s = join(desired.force, desired.moment + lever.cross(&desired.force));
+        let torque = settings.kinematics.jacobian(axes).tr_mul(&at_s);
+        let mut disturbance = self.disturbance;
+        std::array::from_fn(|i| {
+            for _ in 0..settings.period_ticks {
+                disturbance.advance(&torque);
+            }
+            if i == 0 {
+                self.disturbance = disturbance;
+            }
+            *disturbance.deviation()
+        })
     }
 
     /// The axes at `coordinates`, each on the branch of its predecessor. What was planned before for the same place, a

@@ -25,7 +25,11 @@ impl ObjectModel {
             ObjectMotion::Accelerated => 2,
         };
         Self {
-            object: FadingMemory::new(degree, 1.0 - parameters.object_filter_gain),
+            object: FadingMemory::new(
+                degree,
+                parameters.object_filter_gain,
+                parameters.settled_filter_gain,
+            ),
         }
     }
 
@@ -102,6 +106,7 @@ mod tests {
     fn a_moving_object_is_met_where_it_will_be() {
         let mut object = ObjectModel::new(&scenario::Proposed {
             object_filter_gain: 0.1,
+            settled_filter_gain: 0.1,
             object_motion: ObjectMotion::Steady,
             ..Default::default()
         });

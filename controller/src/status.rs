@@ -46,9 +46,9 @@ impl Controller {
                 threshold_n: settings.controller.detection_threshold_n,
                 contact_step: -1,
             },
-            compliance: self.compliance(),
-            compliance_confidence: self.adaptation.map_or(0.0, |adaptation| adaptation.confidence()),
-            tare: self.zero(),
+            compliance: self.sensing.compliance(),
+            compliance_confidence: self.sensing.confidence(),
+            tare: self.sensing.zero(),
             impact: ImpactAssessment::default(),
             gain_margin: 0.0,
             phase_margin_rad: 0.0,
@@ -71,7 +71,7 @@ impl Controller {
         status.detection.statistic_n = motion.normal_force_n();
         status.detection.threshold_n = motion.threshold_n();
         status.force_error_n = motion.force_n() - settings.task.desired_force_n;
-        if self.drift.exceeds() {
+        if self.sensing.drifts() {
             status.limits |= LIMIT_DRIFT;
         }
         if motion.saturated() {
@@ -90,8 +90,8 @@ impl Controller {
 
     /// The wrench at the tcp that the deflection beyond the tare stands for: (3)-(6) solved for the tcp.
     fn contact_wrench(&self, deflection: &Deflection) -> Wrench {
-        let contact_only = *deflection - self.zero();
-        let compliance = self.compliance();
+        let contact_only = *deflection - self.sensing.zero();
+        let compliance = self.sensing.compliance();
         let solve =
             |c: &nalgebra::Matrix3<f64>, v: Vector3<f64>| c.try_inverse().map_or(Vector3::zeros(), |i| i * v);
         let force = solve(&compliance.translation, contact_only.translation);

@@ -65,6 +65,13 @@ impl Tilting {
         }
     }
 
+    /// The calibration that is asked for, from the axes `start` on; `None`: another task.
+    pub(crate) fn of(settings: &Settings, start: &Axes) -> Option<Self> {
+        let calibrates = settings.task.kind == scenario::TaskKind::Calibrate;
+        let r_from_s = settings.kinematics.forward(start);
+        calibrates.then(|| Self::new(&settings.task, settings.d, &r_from_s))
+    }
+
     /// How long it takes, s.
     pub fn duration_s(&self) -> f64 {
         (0..RESTS).map(|i| self.rest_s + self.move_s(i)).sum()

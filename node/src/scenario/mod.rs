@@ -1,18 +1,22 @@
 //! The scenario: one TOML file per experiment, read by all nodes.
 //!
-//! Every key is declared once, below: name (its suffix is the unit), type, default, limits and one line of
-//! documentation. The structs, reading with validation, [`Scenario::hash`] and [`Scenario::keys`] follow from
-//! that. Every key is optional; the defaults are the experiment of the paper's section V on the reference plant.
+//! Every key is declared once, below or in the file of its section: name (its suffix is the unit), type, default,
+//! limits and one line of documentation. The structs, reading with validation, [`Scenario::hash`] and
+//! [`Scenario::keys`] follow from that. Every key is optional; the defaults are the experiment of the paper's
+//! section V on the reference plant.
 //!
-//! What is (`[robot]`, `[sensor]`, `[tool]`, `[object]`) and what the controller assumes (`[controller]`) are
-//! separate entries, so that every claim about a wrong compliance, delay, mass or gear can be tested.
+//! What is (`[robot]`, `[sensor]`, `[tool]`, `[object]`, `[object_sensor]`) and what the controller assumes
+//! (`[controller]`) are separate entries, so that every claim about a wrong compliance, delay, mass or gear can be
+//! tested.
 
+mod adaptation;
 mod check;
 mod choice;
 mod error;
 mod estimate;
 mod hash;
 mod names;
+mod object_sensor;
 mod reach;
 mod read;
 mod robot;
@@ -21,18 +25,20 @@ mod schema;
 mod tests;
 mod value;
 
+pub use adaptation::Adaptation;
 pub use choice::{
     Gears, Kinematics, ObjectMotion, Pairing, SensorOutput, TaskKind, TimingMode, ToolShape, Transform,
 };
 pub use error::ScenarioError;
+pub use object_sensor::ObjectSensor;
 pub use robot::Drives;
 pub use schema::{Allowed, Key};
 pub use spatial::ports::Law;
 
 schema::section! {
     /// One experiment: what is, what is asked for, and what the controller assumes.
-    Scenario at "" with timing: Timing, robot: Robot, sensor: Sensor, tool: Tool, object: Object, task: Task,
-        controller: Controller {}
+    Scenario at "" with timing: Timing, robot: Robot, sensor: Sensor, tool: Tool, object: Object,
+        object_sensor: ObjectSensor, task: Task, controller: Controller {}
 }
 
 schema::section! {
@@ -332,7 +338,8 @@ impl ForceControlled {
 
 schema::section! {
     /// The control law and what it assumes of robot, sensor and tool.
-    Controller at "controller" with pd: Pd, proposed: Proposed, impedance: Impedance, adaptation: Adaptation {
+    Controller at "controller" with pd: Pd, proposed: Proposed, impedance: Impedance, servo: AssumedServo,
+        adaptation: Adaptation {
         /// Control law.
         law: Law = Law::Proposed;
         /// Which actual pose is taken to belong to a deflection.
@@ -398,12 +405,32 @@ schema::section! {
 schema::section! {
     /// The law `proposed`: eqs. (2) and (9) to (12) as an object model.
     Proposed at "controller.proposed" {
-        /// Weight of a new sample in the object's pose.
+        /// Weight of a new sample in the object's pose, just after the contact.
         object_filter_gain: f64 = 0.1, in 1e-3..=1.0;
+        /// The same later: the weight falls as in a mean over all samples, down to this one.
+        settled_filter_gain: f64 = 0.01, in 1e-4..=1.0;
         /// How the object is assumed to move.
         object_motion: ObjectMotion = ObjectMotion::Fixed;
         /// Bandwidth of the reference model.
-        reference_bandwidth_hz: f64 = 30.0, in 0.1..=200.0;
+        reference_bandwidth_hz: f64 = 35.0, in 0.1..=200.0;
+        /// Whether the desired force is fed forward as a disturbance of the position control.
+        disturbance_feed_forward: bool = true;
+    }
+}
+
+schema::section! {
+    /// What the controller assumes of the servos of the axes, `[robot]` as it is known from outside.
+    AssumedServo at "controller.servo" {
+        /// Gain of the position loop.
+        position_gain_per_s: f64 = 25.0, in 0.1..=500.0;
+        /// Bandwidth of the velocity loop, with the motor's inertia alone.
+        velocity_bandwidth_hz: f64 = 60.0, in 1.0..=150.0;
+        /// Integral time of the velocity loop.
+        velocity_integral_time_s: f64 = 0.03, in 1e-3..=100.0;
+        /// Inertia of each axis on the motor's side.
+        motor_inertia_kg_m2: [f64; 6] = [120.0, 120.0, 120.0, 4.0, 4.0, 4.0], in 1e-3..=1e4;
+        /// Inertia of each axis on the link's side.
+        link_inertia_kg_m2: [f64; 6] = [60.0, 60.0, 60.0, 2.0, 2.0, 2.0], in 1e-3..=1e4;
     }
 }
 
@@ -422,25 +449,5 @@ schema::section! {
         damping_nms_per_rad: f64 = 10.0, in 0.0..=1e7;
         /// Stiffness about an axis.
         stiffness_nm_per_rad: f64 = 0.0, in 0.0..=1e9;
-    }
-}
-
-schema::section! {
-    /// The adaptation of the compliance in contact, from the deflection and a wrench measured independently of it.
-    Adaptation at "controller.adaptation" {
-        /// Whether the compliance is adapted.
-        enabled: bool = false;
-        /// Weight of a new sample (each ms) in the compliance.
-        gain: f64 = 0.02, in 1e-5..=1.0;
-        /// Time after the detected contact from which samples count.
-        start_delay_s: f64 = 0.03, in 0.0..=10.0;
-        /// Contact force above which a sample tells of the translational compliance.
-        force_gate_n: f64 = 3.0, in 1e-3..=1e5;
-        /// Contact moment at s above which a sample tells of the rotational compliance.
-        moment_gate_nm: f64 = 0.2, in 1e-4..=1e4;
-        /// Least multiple of the configured compliance.
-        minimum_ratio: f64 = 0.3, in 0.01..=1.0;
-        /// Largest multiple of the configured compliance.
-        maximum_ratio: f64 = 3.5, in 1.0..=100.0;
     }
 }
