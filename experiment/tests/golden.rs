@@ -32,7 +32,7 @@ fn hash(overrides: &[&str]) -> String {
 /// a law changes these: say in the commit why.
 #[test]
 fn the_papers_experiment() {
-    let pinned: [(&[&str], &str); 5] = [
+    let pinned: [(&[&str], &str); 6] = [
         (&["controller.law=pd"], "746b20abae001474224b88f338853594"),
         (&["controller.law=proposed"], "169c2173d85a370074dbfadc5c5a4421"),
         (&["controller.law=literal"], "d97b04c0d6515c64e4e0a1f60c8bea8b"),
@@ -43,6 +43,14 @@ fn the_papers_experiment() {
         (
             &["robot.kinematics=arm", "robot.gears=elastic"],
             "682b45208c4a443399f9d3ba51e2b359",
+        ),
+        (
+            &[
+                "sensor.wrench_measured=true",
+                "controller.adaptation.enabled=true",
+                "controller.compliance_rad_per_nm=5e-3",
+            ],
+            "8ea557b82de3d54ab6612ab968a6ad6c",
         ),
     ];
     let found = pinned.map(|(overrides, _)| (overrides, hash(overrides)));
