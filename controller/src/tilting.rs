@@ -251,11 +251,10 @@ mod tests {
             // It has been there for half a second.
             let pose = tilting().rest_pose(i);
             // The set-points are three periods ahead.
-            for k in within[0] - 122..within[within.len() - 1] - 3 {
-                assert!(
-                    (Gantry.forward(&cycles[k].0).translation.vector - pose.translation.vector).norm()
-                        < 1e-12
-                );
+            let resting = &cycles[within[0] - 122..within[within.len() - 1] - 3];
+            for (axes, _) in resting {
+                let position = Gantry.forward(axes).translation.vector;
+                assert!((position - pose.translation.vector).norm() < 1e-12);
             }
             let angle = pose.rotation.angle();
             assert!((angle - if i == 0 { 0.0 } else { 0.3 }).abs() < 1e-12);
