@@ -18,6 +18,9 @@
 //! | feed-forward of the position control | [`command_dynamics`] | Fig. 2, II-B |
 //! | desired force as a disturbance of the position control | [`disturbance`] | II-B |
 //! | posture that keeps the tool's orientation | [`posture`] | (9)-(11), Fig. 5 |
+//! | zero force, and whether it drifts | [`tare`], [`drift`] | |
+//! | compliance adapted in contact | [`adaptation`] | V |
+//! | tool and sensor learnt from tilted rests, and the way through them | [`calibration`], [`tilting`] | (3), (4) |
 
 pub mod adaptation;
 pub mod approach;

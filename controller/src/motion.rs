@@ -116,6 +116,12 @@ impl Motion {
         };
         let compliance = tcp_compliance(&settings.compliance, &posture, &r_from_s, &selection);
         let noise_n = noise_m / compliance.along(NORMAL);
+        // What the tool's inertia deflects looks like as much more force as the sensor is softer than assumed.
+        let softer = if controller.adaptation.enabled {
+            controller.adaptation.maximum_ratio
+        } else {
+            1.0
+        };
         Self {
             frame,
             selection,
@@ -135,7 +141,7 @@ impl Motion {
             disturbance: Disturbance::new(&controller.servo),
             detector: Detector::new(
                 controller.detection_threshold_n.max(ABOVE_NOISE * noise_n),
-                controller.apparent_mass_kg,
+                controller.apparent_mass_kg * softer,
                 controller.detection_fading_s,
             ),
             force_control: ForceControl::new(controller, selection),

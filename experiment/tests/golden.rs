@@ -50,7 +50,7 @@ fn the_papers_experiment() {
                 "controller.adaptation.enabled=true",
                 "controller.compliance_rad_per_nm=5e-3",
             ],
-            "8ea557b82de3d54ab6612ab968a6ad6c",
+            "dd7af92cc6ea4417ed8ecf54c5b03383",
         ),
     ];
     let found = pinned.map(|(overrides, _)| (overrides, hash(overrides)));
