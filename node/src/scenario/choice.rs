@@ -51,6 +51,30 @@ pub enum Transform {
     Twist,
 }
 
+/// What a task is about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TaskKind {
+    /// Approach an object and press.
+    #[default]
+    Press,
+    /// Reach a position within a tolerance, yielding to what is in the way.
+    Position,
+    /// Rest in tilted orientations, without contact, to learn what sensor and tool are.
+    Calibrate,
+}
+
+/// Where the object's pose is known from before the contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ExpectedFrom {
+    /// It is not: the impact is unexpected.
+    #[default]
+    Nothing,
+    /// From a model: it is at rest at `task.expected_height_m`.
+    Model,
+    /// From the non-contact sensor.
+    ObjectSensor,
+}
+
 /// How the object is assumed to move: what its model extrapolates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ObjectMotion {
@@ -63,6 +87,17 @@ pub enum ObjectMotion {
     Accelerated,
 }
 
+impl ObjectMotion {
+    /// Degree of the polynomial in time.
+    pub fn degree(self) -> usize {
+        match self {
+            Self::Fixed => 0,
+            Self::Steady => 1,
+            Self::Accelerated => 2,
+        }
+    }
+}
+
 /// What a compliant sensor puts out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SensorOutput {
@@ -71,16 +106,6 @@ pub enum SensorOutput {
     Deflection,
     /// Forces and moments, computed with the sensor's own calibration.
     Force,
-}
-
-/// What the robot is to do.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum TaskKind {
-    /// Approach an object and press.
-    #[default]
-    Press,
-    /// Rest in tilted orientations, without contact, to learn what sensor and tool are.
-    Calibrate,
 }
 
 /// What of the tool may touch the object.
@@ -142,9 +167,10 @@ choice!(Kinematics: "gantry" => Gantry, "arm" => Arm);
 choice!(Gears: "rigid" => Rigid, "elastic" => Elastic);
 choice!(Pairing: "sampling" => Sampling, "arrival" => Arrival);
 choice!(Transform: "exact" => Exact, "twist" => Twist);
+choice!(TaskKind: "press" => Press, "position" => Position, "calibrate" => Calibrate);
+choice!(ExpectedFrom: "nothing" => Nothing, "model" => Model, "object-sensor" => ObjectSensor);
 choice!(ObjectMotion: "fixed" => Fixed, "steady" => Steady, "accelerated" => Accelerated);
 choice!(SensorOutput: "deflection" => Deflection, "force" => Force);
-choice!(TaskKind: "press" => Press, "calibrate" => Calibrate);
 choice!(ToolShape: "point" => Point, "face" => Face, "peg" => Peg);
 choice!(Law: "pd" => Pd, "pd-reset" => PdReset, "literal" => Literal, "proposed" => Proposed, "impedance" => Impedance;
     planned: "elastic", "ros2", "fzi");
