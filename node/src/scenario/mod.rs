@@ -409,7 +409,7 @@ schema::section! {
     /// The law `proposed`: eqs. (2) and (9) to (12) as an object model.
     Proposed at "controller.proposed" {
         /// Weight of a new sample in the object's pose, just after the contact.
-        object_filter_gain: f64 = 0.1, in 1e-3..=1.0;
+        object_filter_gain: f64 = 0.03, in 1e-3..=1.0;
         /// The same later: the weight falls as in a mean over all samples, down to this one.
         settled_filter_gain: f64 = 0.01, in 1e-4..=1.0;
         /// How the object is assumed to move.
@@ -429,7 +429,7 @@ schema::section! {
         /// How the object is assumed to move before the contact.
         object_motion: ObjectMotion = ObjectMotion::Steady;
         /// Weight of a new sample of the non-contact sensor.
-        filter_gain: f64 = 0.1, in 1e-3..=1.0;
+        filter_gain: f64 = 0.03, in 1e-3..=1.0;
         /// How far above the expected object the approach has slowed down.
         search_margin_m: f64 = 0.0005, in 0.0..=0.1;
         /// Speed of the search from there on.
@@ -464,7 +464,7 @@ schema::section! {
         mass_kg: f64 = 5.0, in 1e-3..=1e5;
         /// Damping along an axis.
         damping_ns_per_m: f64 = 840.0, in 0.0..=1e7;
-        /// Stiffness along an axis towards where the contact was met; 0: the desired force is reached.
+        /// Stiffness along an axis towards where the object was met; 0: the desired force is reached.
         stiffness_n_per_m: f64 = 0.0, in 0.0..=1e9;
         /// Inertia about an axis.
         inertia_kg_m2: f64 = 0.06, in 1e-6..=1e5;
