@@ -70,7 +70,7 @@ impl Controller {
         status.wrench = self.contact_wrench(motion.deflection());
         status.detection.statistic_n = motion.normal_force_n();
         status.detection.threshold_n = motion.threshold_n();
-        status.force_error_n = motion.force_n() - settings.task.desired_force_n;
+        status.force_error_n = motion.force_n() - settings.desired.force.z;
         if self.sensing.drifts() {
             status.limits |= LIMIT_DRIFT;
         }
