@@ -42,7 +42,7 @@ fn the_papers_experiment() {
         ),
         (
             &["robot.kinematics=arm", "robot.gears=elastic"],
-            "eaffffb06f56e80666237bee7780e081",
+            "3e5969c03beb3146a5cd33a3163ba17d",
         ),
         (
             &[

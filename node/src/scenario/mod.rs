@@ -307,7 +307,7 @@ schema::section! {
         /// Desired moment about the tcp's x, y and z, in r; where that degree of freedom is force controlled.
         desired_moment_nm: [f64; 3] = [0.0, 0.0, 0.0], in -1e4..=1e4;
         /// How far a calibration tilts the tool about its tcp.
-        calibration_tilt_rad: f64 = 0.3, in 0.01..=1.5;
+        calibration_tilt_rad: f64 = 0.3, in 0.1..=1.5;
         /// How long a calibration rests in each orientation; over the second half it measures.
         calibration_rest_s: f64 = 1.0, in 0.02..=60.0;
     }
