@@ -167,6 +167,9 @@ fn an_expected_impact_is_soft() {
     ] {
         let (soft_peak, soft_impact) = peaks("expected", overrides);
         assert!(soft_peak < 10.3, "{overrides:?}: {soft_peak} N");
-        assert!(soft_impact < impact / 7.0, "{overrides:?}: {soft_impact} N, {impact} N");
+        assert!(
+            soft_impact < impact / 7.0,
+            "{overrides:?}: {soft_impact} N, {impact} N"
+        );
     }
 }
