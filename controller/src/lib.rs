@@ -1,7 +1,7 @@
 //! The outer loop of the paper's Fig. 2: from encoder and sensor values to the commanded pose.
 //!
 //! Pure: a [`Controller`] takes the robot's state and the sensor's samples of a cycle and answers with a command
-//! and its status. It sees only what a real one would. The only home of eqs. (1)-(12); each file is one idea:
+//! and its status. It sees only what a real one would. The only home of eqs. (1)-(18); each file is one idea:
 //!
 //! | Idea | File | Paper |
 //! |---|---|---|
@@ -14,11 +14,13 @@
 //! | object measured once, then refined | [`object_model`] | (2), (12) |
 //! | feed-forward of the position control | [`command_dynamics`] | Fig. 2, II-B |
 //! | posture that keeps the tool's orientation | [`posture`] | (9)-(11), Fig. 5 |
+//! | assessment of the impact | [`impact`] | (13)-(18), footnote 9 |
 
 pub mod approach;
 pub mod command_dynamics;
 pub mod contact;
 pub mod detection;
+pub mod impact;
 pub mod law;
 pub mod literal;
 pub mod object_model;
