@@ -3,12 +3,16 @@
 mod bench;
 mod compare;
 mod doctor;
+mod impact;
 mod run;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
+use controller::impact::ImpactError;
+use experiment::impact::LibraryError;
 use experiment::launch::LaunchError;
 use experiment::scenarios::{Source, SourceError};
+use impact::Unanswerable;
 use node::scenario::{Scenario, ScenarioError};
 use serde::Serialize;
 use std::fmt::Display;
@@ -44,6 +48,7 @@ struct Cli {
 enum Command {
     Run(run::Args),
     Compare(compare::Args),
+    Impact(Box<impact::Args>),
     #[command(subcommand)]
     Bench(bench::Bench),
     Doctor(doctor::Args),
@@ -75,6 +80,7 @@ pub(crate) fn main() -> ExitCode {
     let outcome = match &cli.command {
         Command::Run(args) => run::run(args),
         Command::Compare(args) => compare::run(args),
+        Command::Impact(args) => impact::run(args),
         Command::Bench(bench) => bench::run(bench),
         Command::Doctor(args) => doctor::run(args),
     };
@@ -88,7 +94,12 @@ pub(crate) fn main() -> ExitCode {
         }
         complain(told(&error));
         let configuration = |cause: &(dyn std::error::Error + 'static)| {
-            cause.is::<ScenarioError>() || cause.is::<SourceError>() || cause.is::<Twice>()
+            cause.is::<ScenarioError>()
+                || cause.is::<SourceError>()
+                || cause.is::<Twice>()
+                || cause.is::<Unanswerable>()
+                || cause.is::<LibraryError>()
+                || cause.is::<ImpactError>()
         };
         let wrong_usage = error.chain().any(configuration);
         ExitCode::from(if wrong_usage { WRONG_USAGE } else { FAILED })

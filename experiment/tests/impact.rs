@@ -1,0 +1,160 @@
+//! The assessment of the impact against simulated impacts: of a free tool, and in the closed loop.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use controller::impact::{Impact, KicksLaw, Rebound, Striker, Surface, ToolInertia};
+use experiment::compare::variations;
+use experiment::impact::simulated::Simulated;
+use experiment::scenarios::Source;
+use nalgebra::{UnitQuaternion, Vector3};
+use node::scenario::{Object, Scenario, Sensor, Tool};
+use rayon::prelude::*;
+use sensor_sim::contacts::Contacts;
+use sensor_sim::object::Yielding;
+use sensor_sim::tool::{Body, Instant, State};
+use spatial::{Motion, Pose};
+
+const STEP_S: f64 = 1e-6;
+
+/// A tool thrown at the object with 20 mm/s, its sensor cut off and without weight: peak (N), largest and remaining
+/// indentation (m), duration (s) and speed afterwards (m/s), as `sensor-sim` integrates them.
+fn thrown(tool: &Tool, object: &Object) -> [f64; 5] {
+    let sensor = Sensor {
+        damping_ns_per_m: 0.0,
+        damping_nms_per_rad: 0.0,
+        ..Sensor::default()
+    };
+    let mut body = Body::new(tool, &sensor);
+    body.weight = Vector3::zeros();
+    body.suspension.stiffness_n_per_m = 0.0;
+    body.suspension.stiffness_nm_per_rad = 0.0;
+    let object = Object {
+        height_m: body.tcp.z,
+        ..object.clone()
+    };
+    let mut contacts = Contacts::new(tool, &object);
+    let now = Instant {
+        link: Motion::at_rest(Pose::identity()),
+        base: contacts.object().base(0.0),
+    };
+    let mut state = State {
+        position: body.centre_of_mass,
+        velocity: Vector3::new(0.0, 0.0, -0.02),
+        rotation: UnitQuaternion::identity(),
+        angular_velocity: Vector3::zeros(),
+        surface: Yielding::default(),
+    };
+    let (mut peak, mut deepest, mut remaining, mut steps) = (0.0_f64, 0.0_f64, 0.0, 0);
+    loop {
+        state = body.integrate(&state, [&now; 3], &contacts, STEP_S).0;
+        let force = contacts
+            .load(&state, &state.rotation.to_rotation_matrix(), &now.base)
+            .force
+            .z;
+        let h = contacts.remember(&state, &now.base);
+        steps += 1;
+        if force <= 0.0 {
+            return [
+                peak,
+                deepest,
+                remaining,
+                f64::from(steps) * STEP_S,
+                body.tcp_motion(&state).1.z,
+            ];
+        }
+        (peak, deepest) = (peak.max(force), deepest.max(h));
+        remaining = contacts.deepest(&state, &now.base).remaining_m;
+    }
+}
+
+fn surface(object: &Object) -> Surface {
+    Surface {
+        law: KicksLaw::new(object.indentation_n_per_m, object.exponent).unwrap(),
+        rebound: Rebound::new(object.rebound_ratio).unwrap(),
+    }
+}
+
+/// Within 0.1 % in peak and depth and one integration step in duration: elastic and with c_re = 4 c_in, on the
+/// normal through the centre of mass and off it, of a flat punch, a sphere and a cone.
+#[test]
+fn a_free_tool_strikes_as_assessed() {
+    let in_line = Tool {
+        centre_of_mass_in_s_m: [0.0, 0.0, -0.06],
+        tcp_in_s_m: [0.0, 0.0, -0.15],
+        ..Tool::default()
+    };
+    for tool in [Tool::default(), in_line] {
+        let inertia = ToolInertia::new(tool.mass_kg, tool.inertia_kg_m2, tool.centre_of_mass_in_s_m).unwrap();
+        let mass = inertia.at_tcp_kg(tool.tcp_in_s_m.into(), Vector3::z());
+        for (exponent, coefficient) in [(1.0, 16e6), (1.5, 1e9), (2.0, 1e12)] {
+            for ratio in [1.0, 4.0] {
+                let object = Object {
+                    exponent,
+                    indentation_n_per_m: coefficient,
+                    rebound_ratio: ratio,
+                    ..Object::default()
+                };
+                let expected: Impact = surface(&object).struck_by(&Striker::new(mass, 0.02).unwrap());
+                let [peak, depth, remaining, duration, speed] = thrown(&tool, &object);
+                let what = format!("n = {exponent}, c_re / c_in = {ratio}, {mass} kg");
+                let close = |found: f64, expected: f64, limit: f64| {
+                    (found - expected).abs() <= limit * expected.abs()
+                };
+                assert!(
+                    close(peak, expected.peak_force_n, 1e-3),
+                    "{what}: {peak} N, {expected:?}"
+                );
+                assert!(
+                    close(depth, expected.maximum_depth_m, 1e-3),
+                    "{what}: {depth} m, {expected:?}"
+                );
+                assert!(
+                    (remaining - expected.remaining_depth_m).abs() <= 1e-3 * depth,
+                    "{what}: {remaining} m"
+                );
+                assert!(
+                    (duration - expected.characteristic_time_s()).abs() <= STEP_S,
+                    "{what}: {duration} s, {}",
+                    expected.characteristic_time_s()
+                );
+                assert!(
+                    close(speed, 0.02 * expected.restitution, 2e-3),
+                    "{what}: {speed} m/s"
+                );
+            }
+        }
+    }
+}
+
+/// In the closed loop within 0.5 % of (17) with the effective mass and the true speed at the contact, over contact
+/// phases, on gantry and arm, with rigid and with elastic gears.
+#[test]
+fn a_run_meets_its_prediction() {
+    let plants = [
+        ("paper", "gantry", 0.82),
+        ("elastic", "gantry", 0.82),
+        ("arm", "arm", 0.82),
+        // The ringing of its gears would be taken for contact.
+        ("elastic", "arm", 3.0),
+    ];
+    let runs: Vec<(String, Scenario)> = plants
+        .into_iter()
+        .flat_map(|(name, kinematics, threshold_n)| {
+            let overrides = [
+                format!("robot.kinematics={kinematics}"),
+                format!("controller.detection_threshold_n={threshold_n}"),
+            ];
+            let scenario = Source::find(name).unwrap().scenario(&overrides).unwrap();
+            let runs = variations(&scenario, 6, 1).into_iter();
+            runs.map(move |scenario| (format!("{name} on {kinematics}"), scenario))
+        })
+        .collect();
+    runs.par_iter().for_each(|(what, scenario)| {
+        let simulated = Simulated::of(scenario).unwrap();
+        assert!(simulated.deviation().abs() < 0.005, "{what}: {simulated:?}");
+        assert!(
+            simulated.peak_force_n > 4.0 * simulated.controlled_peak_n,
+            "{what}: {simulated:?}"
+        );
+    });
+}
