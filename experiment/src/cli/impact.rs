@@ -1,13 +1,15 @@
 //! `touchdown impact`.
 
 mod flags;
+mod question;
 
 use super::{print, print_json};
 use anyhow::{Context, Result};
 use experiment::impact::simulated::Simulated;
 use experiment::impact::{Library, Question, Report, Text, figure, scenario};
 use experiment::scenarios::Source;
-pub(super) use flags::{Args, Unanswerable};
+pub(super) use flags::Args;
+pub(super) use question::Unanswerable;
 use serde::Serialize;
 use std::path::Path;
 use std::process::ExitCode;

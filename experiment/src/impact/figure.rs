@@ -13,7 +13,7 @@ use std::path::Path;
 const WIDTH: i32 = 960;
 const HEIGHT: i32 = 300;
 const TITLE_HEIGHT: i32 = 34;
-const LEFT: i32 = 62;
+const LEFT: i32 = 74;
 const RIGHT: i32 = 18;
 const AXIS_HEIGHT: i32 = 44;
 
@@ -222,8 +222,8 @@ fn draw_panel(area: &Area<'_>, panel: &Panel<'_>) -> Drawn {
         chart.draw_series([line([(sample, 0.0), (sample, top)], FAINT, 1)])?;
         let style = font(SMALL).color(&INK).pos(Pos::new(HPos::Right, VPos::Top));
         chart.draw_series([Text::new(
-            "one sampling time\u{a0}".to_owned(),
-            (sample, 0.97 * top),
+            "one sampling time".to_owned(),
+            (sample - 0.01 * right, 0.97 * top),
             style,
         )])?;
     }
@@ -238,7 +238,7 @@ fn draw_panel(area: &Area<'_>, panel: &Panel<'_>) -> Drawn {
             SIMULATED.stroke_width(px(2) as u32),
         )])?;
         let style = font(SMALL).color(&SIMULATED).pos(Pos::new(HPos::Left, VPos::Top));
-        chart.draw_series([Text::new("\u{a0}\u{a0}simulated".to_owned(), simulated, style)])?;
+        chart.draw_series([Text::new("simulated".to_owned(), (simulated.0 + 0.04 * right, simulated.1), style)])?;
     }
     Ok(())
 }
@@ -250,58 +250,4 @@ fn short(value: f64) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::impact::scenario::question;
-    use node::scenario::Scenario;
-
-    fn report(allowed_force_n: Option<f64>) -> Report {
-        let mut question = question(&Scenario::default(), "paper").unwrap();
-        question.allowed_force_n = allowed_force_n;
-        question.controlled_peak_n = Some(14.0);
-        question.answer().unwrap()
-    }
-
-    /// The curves are those of the assessment: they end where the force vanishes, and peak where it says.
-    #[test]
-    fn the_panels_show_the_assessment() {
-        let report = report(Some(150.0));
-        let panels = panels(&report);
-        let [force, depth, peak] = panels.as_slice() else {
-            unreachable!()
-        };
-        let highest = |panel: &Panel<'_>| panel.points.iter().map(|point| point.1).fold(0.0, f64::max);
-        assert!((highest(force) / report.peak_force_n - 1.0).abs() < 1e-3);
-        assert!((highest(depth) / (1e6 * report.maximum_depth_m) - 1.0).abs() < 1e-3);
-        let end = |panel: &Panel<'_>| panel.points[panel.points.len() - 1];
-        assert!(
-            (end(force).0 / (1e3 * report.characteristic_time_s) - 1.0).abs() < 1e-9
-                && end(force).1.abs() < 1e-6
-        );
-        assert!((end(depth).1 / (1e6 * report.remaining_depth_m) - 1.0).abs() < 1e-9);
-        // The speed for the allowed force is on the axis, and the peak is reached there.
-        assert!(highest(peak) > 150.0);
-    }
-
-    #[test]
-    fn it_is_drawn_without_a_value_that_is_no_number() {
-        let directory = tempfile::tempdir().unwrap();
-        let path = directory.path().join("impact.svg");
-        draw(&[report(None), report(Some(50.0))], &path).unwrap();
-        let svg = std::fs::read_to_string(&path).unwrap();
-        assert!(svg.starts_with("<svg width=\"960\" height=\"600\" viewBox") && !svg.contains("NaN"));
-        for text in [
-            "force, N",
-            "peak force, N",
-            "allowed",
-            "controlled peak",
-            "one sampling time",
-        ] {
-            assert!(svg.contains(text), "{text}");
-        }
-        let error = draw(&[report(None)], &directory.path().join("no such/impact.svg"))
-            .unwrap_err()
-            .to_string();
-        assert!(error.contains("impact.svg can't be written"), "{error}");
-    }
-}
+mod tests;
