@@ -13,6 +13,7 @@ fn the_literal_law_commands_equation_2_of_the_newest_sample() {
     for pairing in [Pairing::Sampling, Pairing::Arrival] {
         let mut scenario = Scenario::default();
         scenario.controller.law = Law::Literal;
+        scenario.controller.transform = scenario::Transform::Twist;
         scenario.controller.pairing = pairing;
         let kinematics = scenario.robot.kinematics();
         let d: Vector3<f64> = scenario.controller.tcp_in_s_m.into();

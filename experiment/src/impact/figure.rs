@@ -238,7 +238,11 @@ fn draw_panel(area: &Area<'_>, panel: &Panel<'_>) -> Drawn {
             SIMULATED.stroke_width(px(2) as u32),
         )])?;
         let style = font(SMALL).color(&SIMULATED).pos(Pos::new(HPos::Left, VPos::Top));
-        chart.draw_series([Text::new("simulated".to_owned(), (simulated.0 + 0.04 * right, simulated.1), style)])?;
+        chart.draw_series([Text::new(
+            "simulated".to_owned(),
+            (simulated.0 + 0.04 * right, simulated.1),
+            style,
+        )])?;
     }
     Ok(())
 }

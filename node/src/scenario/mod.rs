@@ -21,7 +21,7 @@ mod schema;
 mod tests;
 mod value;
 
-pub use choice::{Gears, Kinematics, Pairing, SensorOutput, TimingMode, ToolShape};
+pub use choice::{Gears, Kinematics, ObjectMotion, Pairing, SensorOutput, TimingMode, ToolShape, Transform};
 pub use error::ScenarioError;
 pub use robot::Drives;
 pub use schema::{Allowed, Key};
@@ -278,7 +278,7 @@ schema::section! {
 
 schema::section! {
     /// What is asked for.
-    Task at "task" {
+    Task at "task" with force_controlled: ForceControlled {
         /// Where the tcp starts, in r.
         start_position_m: [f64; 3] = [0.0, 0.0, 0.030], in -10.0..=10.0;
         /// Standstill before the approach.
@@ -291,16 +291,46 @@ schema::section! {
         approach_speed_m_per_s: f64 = 0.020, in 0.0005..=1.0;
         /// Desired normal force.
         desired_force_n: f64 = 10.0, in 0.1..=1e5;
+        /// Desired moment about the tcp's x, y and z, in r; where that degree of freedom is force controlled.
+        desired_moment_nm: [f64; 3] = [0.0, 0.0, 0.0], in -1e4..=1e4;
+    }
+}
+
+schema::section! {
+    /// Which degrees of freedom of the tcp, along and about the axes of r, follow the force law once there is contact;
+    /// the others keep their reference.
+    ForceControlled at "task.force_controlled" {
+        /// Along x, with no force desired.
+        x: bool = false;
+        /// Along y, with no force desired.
+        y: bool = false;
+        /// Along z, the normal.
+        z: bool = true;
+        /// About x.
+        about_x: bool = false;
+        /// About y.
+        about_y: bool = false;
+        /// About z.
+        about_z: bool = false;
+    }
+}
+
+impl ForceControlled {
+    /// All six, in the order of a wrench.
+    pub fn dofs(&self) -> [bool; 6] {
+        [self.x, self.y, self.z, self.about_x, self.about_y, self.about_z]
     }
 }
 
 schema::section! {
     /// The control law and what it assumes of robot, sensor and tool.
-    Controller at "controller" with pd: Pd, proposed: Proposed {
+    Controller at "controller" with pd: Pd, proposed: Proposed, impedance: Impedance {
         /// Control law.
         law: Law = Law::Proposed;
         /// Which actual pose is taken to belong to a deflection.
         pairing: Pairing = Pairing::Sampling;
+        /// How deflections are carried between sensor and tcp.
+        transform: Transform = Transform::Exact;
         /// Which output of the sensor is used.
         sensor_output: SensorOutput = SensorOutput::Deflection;
         /// How long the deflection is averaged at standstill to become zero force.
@@ -338,12 +368,16 @@ schema::section! {
 }
 
 schema::section! {
-    /// The law `pd`, eq. (1).
+    /// The laws `pd` and `pd-reset`, eq. (1).
     Pd at "controller.pd" {
-        /// Proportional gain K.
+        /// Proportional gain K along an axis.
         proportional_m_per_n: f64 = 2.7e-6, in 0.0..=1e-2;
-        /// Derivative gain D.
+        /// Derivative gain D along an axis.
         derivative_m_per_n: f64 = 11e-6, in 0.0..=1e-2;
+        /// Proportional gain K about an axis.
+        proportional_rad_per_nm: f64 = 2.4e-4, in 0.0..=10.0;
+        /// Derivative gain D about an axis.
+        derivative_rad_per_nm: f64 = 1e-3, in 0.0..=10.0;
     }
 }
 
@@ -352,7 +386,27 @@ schema::section! {
     Proposed at "controller.proposed" {
         /// Weight of a new sample in the object's pose.
         object_filter_gain: f64 = 0.1, in 1e-3..=1.0;
+        /// How the object is assumed to move.
+        object_motion: ObjectMotion = ObjectMotion::Fixed;
         /// Bandwidth of the reference model.
         reference_bandwidth_hz: f64 = 30.0, in 0.1..=200.0;
+    }
+}
+
+schema::section! {
+    /// The law `impedance`: the way to the desired pose of `proposed` is that of a mass with damper and spring.
+    Impedance at "controller.impedance" {
+        /// Mass along an axis.
+        mass_kg: f64 = 5.0, in 1e-3..=1e5;
+        /// Damping along an axis.
+        damping_ns_per_m: f64 = 840.0, in 0.0..=1e7;
+        /// Stiffness along an axis towards where the contact was met; 0: the desired force is reached.
+        stiffness_n_per_m: f64 = 0.0, in 0.0..=1e9;
+        /// Inertia about an axis.
+        inertia_kg_m2: f64 = 0.06, in 1e-6..=1e5;
+        /// Damping about an axis.
+        damping_nms_per_rad: f64 = 10.0, in 0.0..=1e7;
+        /// Stiffness about an axis.
+        stiffness_nm_per_rad: f64 = 0.0, in 0.0..=1e9;
     }
 }

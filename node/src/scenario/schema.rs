@@ -277,6 +277,12 @@ mod tests {
                 "object.rebound_ratio",
                 "object.exponent",
                 "object.friction",
+                "task.force_controlled.x",
+                "task.force_controlled.y",
+                "task.force_controlled.z",
+                "task.force_controlled.about_x",
+                "task.force_controlled.about_y",
+                "task.force_controlled.about_z",
                 "controller.filter_damping",
                 "controller.proposed.object_filter_gain",
             ]

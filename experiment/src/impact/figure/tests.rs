@@ -24,8 +24,7 @@ fn the_panels_show_the_assessment() {
     assert!((highest(depth) / (1e6 * report.maximum_depth_m) - 1.0).abs() < 1e-3);
     let end = |panel: &Panel<'_>| panel.points[panel.points.len() - 1];
     assert!(
-        (end(force).0 / (1e3 * report.characteristic_time_s) - 1.0).abs() < 1e-9
-            && end(force).1.abs() < 1e-6
+        (end(force).0 / (1e3 * report.characteristic_time_s) - 1.0).abs() < 1e-9 && end(force).1.abs() < 1e-6
     );
     assert!((end(depth).1 / (1e6 * report.remaining_depth_m) - 1.0).abs() < 1e-9);
     // The speed for the allowed force is on the axis, and the peak is reached there.

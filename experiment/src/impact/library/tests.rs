@@ -69,8 +69,7 @@ fn what_is_no_library_is_refused_with_its_place() {
         found.starts_with("material \"gum\" of own.toml: Poisson's ratio is 0.6, outside 0 to 0.5; "),
         "{found}"
     );
-    let found =
-        message("[shapes.pin]\ndimension = \"width_m\"\nexponent = 1\nfactor = 2\nsource = \"\"\n");
+    let found = message("[shapes.pin]\ndimension = \"width_m\"\nexponent = 1\nfactor = 2\nsource = \"\"\n");
     assert!(
         found.starts_with("own.toml:2:13: unknown variant `width_m`, expected one of `radius_m`"),
         "{found}"
