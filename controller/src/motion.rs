@@ -6,11 +6,12 @@ use crate::command_dynamics::CommandDynamics;
 use crate::contact::{Aim, ContactSample, PREVIEW, Situation};
 use crate::detection::Detector;
 use crate::dofs::{Dofs, NORMAL, Selection, TaskFrame, TcpCompliance, displacement};
+use crate::impact::ImpactMonitor;
 use crate::law::{ForceControl, feeds_forward};
 use crate::posture::Posture;
 use nalgebra::Vector3;
 use spatial::kinematics::{Axes, Unreachable, join};
-use spatial::ports::{HORIZON, SampleFlags};
+use spatial::ports::{HORIZON, ImpactAssessment, SampleFlags};
 use spatial::{Compliance, Deflection, Pose, TICK_S};
 use std::f64::consts::TAU;
 
@@ -29,6 +30,8 @@ pub(crate) struct Motion {
     dynamics: CommandDynamics,
     detector: Detector,
     force_control: ForceControl,
+    /// `None` where no assessment can be made of what is assumed, which no scenario allows.
+    impact: Option<ImpactMonitor>,
     contact: Option<Contact>,
     newest: Sensed,
     plan: Plan,
@@ -97,6 +100,11 @@ impl Motion {
         let coordinates = frame.coordinates(&hanging);
         let length = coordinates[NORMAL] - (task.expected_height_m - task.search_depth_m);
         let selection = Selection::new(&task.force_controlled);
+        let impact = ImpactMonitor::new(controller, task, hanging.rotation.inverse() * Vector3::z()).ok();
+        let requested = task.approach_speed_m_per_s;
+        let speed = impact
+            .as_ref()
+            .map_or(requested, |impact| impact.allowed_speed_m_per_s(requested));
         let sample = Sample {
             time_s: 0.0,
             tick: 0,
@@ -110,7 +118,7 @@ impl Motion {
             posture,
             compliance: tcp_compliance(&settings.compliance, &posture, &r_from_s, &selection),
             desired_displacement: posture.desired_displacement(),
-            path: Approach::new(length, task.approach_speed_m_per_s),
+            path: Approach::new(length, speed),
             start_tick: None,
             dynamics: CommandDynamics::new(
                 controller.filter_frequency_hz,
@@ -125,6 +133,7 @@ impl Motion {
                 controller.detection_fading_s,
             ),
             force_control: ForceControl::new(controller, selection),
+            impact,
             contact: None,
             newest: Sensed {
                 sample,
@@ -155,11 +164,18 @@ impl Motion {
             normal_force_n,
             wrench,
         };
+        let heights = [&r_from_ta1, &hanging].map(|pose| pose.translation.vector.z);
+        if let Some(impact) = &mut self.impact {
+            impact.take(sample.time_s, heights[0], heights[1]);
+        }
         if approaching && self.contact.is_none() && normal_force_n > self.detector.threshold_n() {
             self.contact = Some(Contact {
                 sample_tick: sample.tick,
                 cycle_tick: tick,
             });
+            if let Some(impact) = &mut self.impact {
+                impact.contact();
+            }
         }
         if self.contact.is_some() {
             // Paper (12).
@@ -380,6 +396,22 @@ impl Motion {
 
     pub(crate) fn saturated(&self) -> bool {
         self.newest.sample.flags.saturated
+    }
+
+    /// The impact that the present speed would cause, or that of the contact.
+    pub(crate) fn impact(&self) -> ImpactAssessment {
+        self.impact
+            .as_ref()
+            .map(ImpactMonitor::assessment)
+            .unwrap_or_default()
+    }
+
+    /// Whether the allowed force of the impact slows the approach.
+    pub(crate) fn slowed(&self, settings: &Settings) -> bool {
+        let requested = settings.task.approach_speed_m_per_s;
+        self.impact
+            .as_ref()
+            .is_some_and(|impact| impact.allowed_speed_m_per_s(requested) < requested)
     }
 
     pub(crate) fn in_contact(&self) -> bool {

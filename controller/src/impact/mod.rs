@@ -14,6 +14,7 @@
 //! | both partners' material | [`modulus`] | footnote 9 |
 //! | from material and shape to (13)'s constants | [`shape`] | IV-B, footnote 9 |
 //! | which mass strikes | [`effective_mass`] | M of (14) |
+//! | the running controller's assessment | [`monitor`], [`speed`] | IV-C |
 //! | contact of a robot with a person | [`transient_contact`] | none |
 //!
 //! Validity: one point in contact, one dimension, no friction, no damping, a half space that yields quasi-statically
@@ -24,10 +25,12 @@ pub mod effective_mass;
 pub mod flat_punch;
 pub mod kick;
 pub mod modulus;
+pub mod monitor;
 pub mod numerical;
 pub mod quantity;
 pub mod rebound;
 pub mod shape;
+pub mod speed;
 pub mod strike;
 pub mod transient_contact;
 
@@ -35,6 +38,7 @@ pub use effective_mass::ToolInertia;
 pub use flat_punch::FlatPunch;
 pub use kick::KicksLaw;
 pub use modulus::Material;
+pub use monitor::ImpactMonitor;
 pub use quantity::ImpactError;
 pub use rebound::Rebound;
 pub use shape::{Dimension, Shape};

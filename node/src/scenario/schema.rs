@@ -285,6 +285,8 @@ mod tests {
                 "task.force_controlled.about_z",
                 "controller.filter_damping",
                 "controller.proposed.object_filter_gain",
+                "controller.impact.exponent",
+                "controller.impact.rebound_ratio",
             ]
         );
     }

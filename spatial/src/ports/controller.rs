@@ -64,10 +64,11 @@ pub struct Detection {
     pub contact_step: i64,
 }
 
-/// The impact that the present speed would cause, eqs. (13)-(18).
+/// The impact that the present speed would cause, eqs. (13)-(18); from the contact on, that of the speed measured at
+/// the contact. All zero before the tare is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ImpactAssessment {
-    /// Speed of the tcp, m/s.
+    /// Speed of the tcp towards the object, m/s; negative: away from it, which causes no impact.
     pub speed_m_per_s: f64,
     /// Effective mass at the tcp, kg.
     pub effective_mass_kg: f64,
@@ -77,7 +78,7 @@ pub struct ImpactAssessment {
     pub maximum_depth_m: f64,
     /// Characteristic impact time, s.
     pub characteristic_time_s: f64,
-    /// Highest approach speed allowed, m/s.
+    /// Highest approach speed for the allowed force, m/s; 0: any force is allowed.
     pub speed_limit_m_per_s: f64,
 }
 
@@ -122,7 +123,7 @@ pub struct ControllerStatus {
     pub phase_margin_rad: f64,
     /// Amplitude of an observed oscillation, N.
     pub oscillation_n: f64,
-    /// Limits that bind, a bit each: 1 lead, 2 velocity, 4 acceleration, 8 workspace, 16 axis, 32 deflection.
+    /// Limits that bind, a bit each: 1 lead, 2 velocity (the approach is slowed for the allowed force of the impact), 4 acceleration, 8 workspace, 16 axis, 32 deflection.
     pub limits: i32,
     /// Index of the program step, -1: no program.
     pub program_step: i32,
