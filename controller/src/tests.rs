@@ -1,5 +1,6 @@
 //! The controller on a robot and a sensor that do as the test says.
 
+mod impact;
 mod laws;
 mod phases;
 mod samples;

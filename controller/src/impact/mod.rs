@@ -11,6 +11,7 @@
 //! | the same by integration, as a check and to draw | [`numerical`] | (14) |
 //! | the paper's own example | [`flat_punch`] | (15)-(18) |
 //! | the way out: restitution, remaining indentation | [`rebound`] | below (13), (18) |
+//! | the tool comes back to an object that it bounces off | [`bounce`] | none |
 //! | both partners' material | [`modulus`] | footnote 9 |
 //! | from material and shape to (13)'s constants | [`shape`] | IV-B, footnote 9 |
 //! | which mass strikes | [`effective_mass`] | M of (14) |
@@ -21,6 +22,7 @@
 //! (the impact lasts longer than waves take through the bodies), and nothing else that acts on the mass in that time:
 //! the sensor behind it is too soft to matter when its own period is long against the impact.
 
+pub mod bounce;
 pub mod effective_mass;
 pub mod flat_punch;
 pub mod kick;

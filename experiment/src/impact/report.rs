@@ -1,6 +1,7 @@
 //! What is asked of an impact, and the answer.
 
 use super::simulated::Simulated;
+use controller::impact::bounce::second_impact_speed_ratio;
 use controller::impact::quantity::SAMPLING_TIME;
 use controller::impact::{Impact, ImpactError, Striker, Surface, TransientContact};
 use serde::Serialize;
@@ -75,6 +76,8 @@ pub struct Report {
     pub characteristic_time_s: f64,
     /// Speed after over speed before.
     pub restitution: f64,
+    /// Speed of the second impact over that of the first, for a tool on a compliant sensor that moves on.
+    pub second_impact_speed_ratio: f64,
     /// N s.
     pub impulse_ns: f64,
     /// J.
@@ -176,6 +179,7 @@ impl Question {
             rebound_time_s: impact.rebound_time_s,
             characteristic_time_s: impact.characteristic_time_s(),
             restitution: impact.restitution,
+            second_impact_speed_ratio: second_impact_speed_ratio(&surface.rebound, surface.law.exponent()),
             impulse_ns: impact.impulse_ns,
             lost_energy_j: impact.lost_energy_j,
             sampling_time_s,

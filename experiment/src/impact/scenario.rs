@@ -36,7 +36,7 @@ pub fn question(scenario: &Scenario, name: &str) -> Result<Question, NoQuestion>
         speed_m_per_s: scenario.task.approach_speed_m_per_s * along_normal(scenario),
         sampling_time_s: scenario.timing.command_period_ticks as f64 * TICK_S,
         controlled_peak_n: None,
-        allowed_force_n: None,
+        allowed_force_n: (scenario.task.max_impact_force_n > 0.0).then_some(scenario.task.max_impact_force_n),
         allowed_remaining_depth_m: None,
         transient: None,
     })

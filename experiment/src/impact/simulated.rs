@@ -7,7 +7,7 @@ use controller::impact::{Striker, Surface};
 use node::scenario::Scenario;
 use serde::Serialize;
 use spatial::TICK_S;
-use spatial::ports::Truth;
+use spatial::ports::{ControllerPhase, ControllerStatus, Truth};
 
 /// What a run says to the prediction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -20,13 +20,15 @@ pub struct Simulated {
     pub predicted_peak_n: f64,
     /// Largest force after the impact as the tcp's deflection shows it, N: what control lets pass.
     pub controlled_peak_n: f64,
-    /// What the controller has said of it.
+    /// What the controller has said of it; `null` if it has not noticed the contact.
     pub controller: Option<Assessed>,
 }
 
 /// What the controller has said of the impact, with what it assumes and measures.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Assessed {
+    /// Whether the allowed force of the impact has slowed the approach.
+    pub slowed: bool,
     /// Speed in the last cycle before contact, m/s.
     pub approach_speed_m_per_s: f64,
     /// Speed that it has measured at the contact, m/s.
@@ -73,7 +75,13 @@ pub struct FirstImpact {
     mass_kg: f64,
     contact_speed_m_per_s: f64,
     peak_force_n: f64,
+    slowed: bool,
+    approach_speed_m_per_s: f64,
+    assessed: Option<Assessed>,
 }
+
+/// The bit of `ControllerStatus::limits` that says that the approach is slowed.
+const LIMIT_VELOCITY: i32 = 2;
 
 impl FirstImpact {
     /// Of `mass_kg` on `surface`.
@@ -83,12 +91,33 @@ impl FirstImpact {
             mass_kg,
             contact_speed_m_per_s: 0.0,
             peak_force_n: 0.0,
+            slowed: false,
+            approach_speed_m_per_s: 0.0,
+            assessed: None,
         }
     }
 
     /// Take what the next tick tells.
     pub fn observe(&mut self, tick: &Tick) {
         self.truth(&tick.sensor.truth);
+        if let Some(outputs) = &tick.controller {
+            self.status(&outputs.status);
+        }
+    }
+
+    fn status(&mut self, status: &ControllerStatus) {
+        let impact = &status.impact;
+        if status.phase == ControllerPhase::Approach {
+            self.slowed |= status.limits & LIMIT_VELOCITY != 0;
+            self.approach_speed_m_per_s = impact.speed_m_per_s;
+        } else if status.detection.contact_step >= 0 {
+            self.assessed.get_or_insert(Assessed {
+                slowed: self.slowed,
+                approach_speed_m_per_s: self.approach_speed_m_per_s,
+                contact_speed_m_per_s: impact.speed_m_per_s,
+                peak_force_n: impact.peak_force_n,
+            });
+        }
     }
 
     fn truth(&mut self, truth: &Truth) {
@@ -113,7 +142,7 @@ impl FirstImpact {
             peak_force_n: self.peak_force_n,
             predicted_peak_n: predicted,
             controlled_peak_n,
-            controller: None,
+            controller: self.assessed,
         }
     }
 }

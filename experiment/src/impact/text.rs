@@ -153,6 +153,24 @@ fn sentences(f: &mut Formatter<'_>, report: &Report, named: bool) -> Result {
             digits(1e3 * report.speed_m_per_s)
         )?;
     }
+    if report.second_impact_speed_ratio > 1.0 {
+        writeln!(
+            f,
+            "Off so elastic an object, a tool on a compliant sensor comes back up to {} times as fast as it came while the \
+             robot\nmoves on: the second impact is the harder one.",
+            digits(report.second_impact_speed_ratio)
+        )?;
+    }
+    if report
+        .simulated
+        .and_then(|simulated| simulated.controller)
+        .is_some_and(|controller| controller.slowed)
+    {
+        writeln!(
+            f,
+            "The controller has slowed the approach: task.max_impact_force_n binds."
+        )?;
+    }
     let Some(contact) = &report.transient_contact else {
         return Ok(());
     };

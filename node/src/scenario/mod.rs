@@ -293,7 +293,8 @@ schema::section! {
         desired_force_n: f64 = 10.0, in 0.1..=1e5;
         /// Desired moment about the tcp's x, y and z, in r; where that degree of freedom is force controlled.
         desired_moment_nm: [f64; 3] = [0.0, 0.0, 0.0], in -1e4..=1e4;
-        /// Force that the impact may reach, by the controller's assessment; a faster approach is slowed. 0: no limit.
+        /// Force that the impact may reach, on top of the controlled one, by the controller's assessment; a faster
+        /// approach is slowed. 0: no limit.
         max_impact_force_n: f64 = 0.0, in 0.0..=1e6;
     }
 }
@@ -427,7 +428,8 @@ schema::section! {
         indentation_n_per_m: f64 = 16e6, in 1e2..=1e12;
         /// Assumed exponent n of the indentation.
         exponent: f64 = 1.0, in 0.5..=2.0;
-        /// Assumed rebound coefficient over indentation coefficient; 1 where it is unknown, as in (18).
-        rebound_ratio: f64 = 1.0, in 1.0..=1e3;
+        /// Assumed rebound coefficient over indentation coefficient, c_re / c_in; 1 where it is unknown, as in (18): an
+        /// elastic object, off which the tool bounces back faster than it came.
+        rebound_ratio: f64 = 4.0, in 1.0..=1e3;
     }
 }
