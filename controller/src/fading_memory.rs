@@ -10,15 +10,23 @@ const LONGEST_GAP_S: f64 = 0.1;
 /// With the residual r of a sample against the prediction, dt s after the one before:
 /// degree 0: `x += (1 - theta) r`; degree 1: `x += (1 - theta^2) r`, `v += (1 - theta)^2 r / dt`; degree 2:
 /// `x += (1 - theta^3) r`, `v += 1.5 (1 - theta)^2 (1 + theta) r / dt`, `a += (1 - theta)^3 r / dt^2`.
+///
+/// The memory grows: with the n-th sample `1 - theta` falls as 1 / n, as in a mean over all samples, from `first` down
+/// to `last`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FadingMemory {
-    /// (1 - theta^(degree + 1), and the gains of velocity and acceleration.
-    gains: [f64; 3],
+    degree: usize,
+    first: f64,
+    last: f64,
+    /// Velocity at the first sample.
+    expected_velocity: f64,
     state: Option<State>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct State {
+    /// Samples taken.
+    count: f64,
     time_s: f64,
     /// Position, velocity and acceleration.
     position: f64,
@@ -30,6 +38,7 @@ impl State {
     fn at(&self, time_s: f64) -> Self {
         let dt = time_s - self.time_s;
         Self {
+            count: self.count,
             time_s,
             position: self.position + dt * (self.velocity + 0.5 * dt * self.acceleration),
             velocity: self.velocity + dt * self.acceleration,
@@ -39,11 +48,56 @@ impl State {
 }
 
 impl FadingMemory {
-    /// Nothing known yet. `degree` is that of the polynomial, 0 to 2, `theta` (0 to 1) the weight that a sample loses
-    /// with each later one.
-    pub fn new(degree: usize, theta: f64) -> Self {
-        let fresh = 1.0 - theta;
-        let gains = match degree {
+    /// Nothing known yet. `degree` is that of the polynomial, 0 to 2; `1 - theta`, the weight of a new sample at degree
+    /// 0, goes from `first` to `last`.
+    pub fn new(degree: usize, first: f64, last: f64) -> Self {
+        Self {
+            degree,
+            first,
+            last: last.min(first),
+            expected_velocity: 0.0,
+            state: None,
+        }
+    }
+
+    /// Expect the first sample to move with `velocity` instead of resting.
+    pub fn expect(&mut self, velocity: f64) {
+        self.expected_velocity = if self.degree > 0 { velocity } else { 0.0 };
+    }
+
+    /// Take the sample `position` of the instant `time_s`. The first one is believed fully.
+    pub fn take(&mut self, time_s: f64, position: f64) {
+        let Some(state) = self.state.filter(|state| {
+            let gap = time_s - state.time_s;
+            gap > 0.0 && gap <= LONGEST_GAP_S
+        }) else {
+            self.state = Some(State {
+                count: 1.0,
+                time_s,
+                position,
+                velocity: self.expected_velocity,
+                acceleration: 0.0,
+            });
+            return;
+        };
+        let count = state.count + 1.0;
+        let [g, h, k] = self.gains((1.0 / count).clamp(self.last, self.first));
+        let dt = time_s - state.time_s;
+        let predicted = state.at(time_s);
+        let residual = position - predicted.position;
+        self.state = Some(State {
+            count,
+            time_s,
+            position: predicted.position + g * residual,
+            velocity: predicted.velocity + h * residual / dt,
+            acceleration: predicted.acceleration + k * residual / (dt * dt),
+        });
+    }
+
+    /// Of position, velocity and acceleration, for `fresh` = 1 - theta.
+    fn gains(&self, fresh: f64) -> [f64; 3] {
+        let theta = 1.0 - fresh;
+        match self.degree {
             0 => [fresh, 0.0, 0.0],
             1 => [1.0 - theta * theta, fresh * fresh, 0.0],
             _ => [
@@ -51,33 +105,7 @@ impl FadingMemory {
                 1.5 * fresh * fresh * (1.0 + theta),
                 fresh * fresh * fresh,
             ],
-        };
-        Self { gains, state: None }
-    }
-
-    /// Take the sample `position` of the instant `time_s`. The first one is believed fully, and to be at rest.
-    pub fn take(&mut self, time_s: f64, position: f64) {
-        let Some(state) = self.state.filter(|state| {
-            let gap = time_s - state.time_s;
-            gap > 0.0 && gap <= LONGEST_GAP_S
-        }) else {
-            self.state = Some(State {
-                time_s,
-                position,
-                velocity: 0.0,
-                acceleration: 0.0,
-            });
-            return;
-        };
-        let dt = time_s - state.time_s;
-        let predicted = state.at(time_s);
-        let residual = position - predicted.position;
-        self.state = Some(State {
-            time_s,
-            position: predicted.position + self.gains[0] * residual,
-            velocity: predicted.velocity + self.gains[1] * residual / dt,
-            acceleration: predicted.acceleration + self.gains[2] * residual / (dt * dt),
-        });
+        }
     }
 
     /// Position and velocity at `time_s`; `None` before the first sample.
@@ -111,7 +139,7 @@ mod tests {
     #[test]
     fn a_polynomial_of_its_degree_is_followed_without_lag() {
         for (degree, v, a) in [(0, 0.0, 0.0), (1, 0.05, 0.0), (2, 0.05, 0.4)] {
-            let mut filter = FadingMemory::new(degree, 0.9);
+            let mut filter = FadingMemory::new(degree, 0.1, 0.1);
             let truth = |t: f64| 0.01 + v * t + 0.5 * a * t * t;
             for n in 0..400 {
                 let t = f64::from(n) * DT;
@@ -132,7 +160,7 @@ mod tests {
     fn all_poles_lie_at_theta() {
         let theta = 0.8;
         for degree in 0..=2 {
-            let mut filter = FadingMemory::new(degree, theta);
+            let mut filter = FadingMemory::new(degree, 1.0 - theta, 1.0 - theta);
             filter.take(0.0, 0.0);
             filter.take(DT, 1.0);
             let x: Vec<f64> = (2..12)
@@ -154,9 +182,19 @@ mod tests {
     }
 
     #[test]
+    fn a_memory_that_grows_is_a_mean() {
+        let mut filter = FadingMemory::new(0, 1.0, 0.0);
+        for n in 1..=100 {
+            filter.take(f64::from(n) * DT, f64::from(n % 7));
+        }
+        let mean = (1..=100).map(|n| f64::from(n % 7)).sum::<f64>() / 100.0;
+        assert!((filter.newest().unwrap().0 - mean).abs() < 1e-12);
+    }
+
+    #[test]
     fn a_long_gap_or_a_step_back_in_time_starts_anew() {
         for time in [0.5, 0.0] {
-            let mut filter = FadingMemory::new(1, 0.9);
+            let mut filter = FadingMemory::new(1, 0.1, 0.1);
             filter.take(0.1, 0.0);
             filter.take(0.101, 1.0);
             filter.take(time, 7.0);

@@ -1,11 +1,12 @@
 //! The outer loop of the paper's Fig. 2: from encoder and sensor values to the commanded pose.
 //!
-//! Pure: a [`Controller`] takes the robot's state and the sensor's samples of a cycle and answers with a command
+//! Pure: a [`Controller`] takes the robot's state and the sensors' samples of a cycle and answers with a command
 //! and its status. It sees only what a real one would. The only home of eqs. (1)-(18); each file is one idea:
 //!
 //! | Idea | File | Paper |
 //! |---|---|---|
 //! | actual pose and deflection at the same instant | [`pairing`] | below (2) |
+//! | object expected before the contact | [`expectation`], [`approach`] | II-B, IV-C, footnote 3 |
 //! | contact or not | [`detection`] | V |
 //! | between sensor and tcp | [`transform`] | (3)-(12) |
 //! | force controlled or not, per degree of freedom | [`dofs`] | III |
@@ -15,6 +16,7 @@
 //! | object measured once, then refined and extrapolated | [`object_model`], [`fading_memory`] | (2), (12) |
 //! | impedance as the task | [`impedance`] | II |
 //! | feed-forward of the position control | [`command_dynamics`] | Fig. 2, II-B |
+//! | desired force as a disturbance of the position control | [`disturbance`] | II-B |
 //! | posture that keeps the tool's orientation | [`posture`] | (9)-(11), Fig. 5 |
 //! | assessment of the impact | [`impact`] | (13)-(18), footnote 9 |
 
@@ -22,7 +24,9 @@ pub mod approach;
 pub mod command_dynamics;
 pub mod contact;
 pub mod detection;
+pub mod disturbance;
 pub mod dofs;
+pub mod expectation;
 pub mod fading_memory;
 pub mod impact;
 pub mod impedance;
@@ -38,13 +42,15 @@ pub mod transform;
 mod motion;
 mod status;
 
+use expectation::Expectation;
 use motion::{Motion, Sample};
 use nalgebra::Vector3;
-use node::scenario::{self, Pairing, Scenario, SensorOutput};
+use node::scenario::{self, Pairing, Scenario, SensorOutput, TaskKind};
 use pairing::EncoderHistory;
 use spatial::kinematics::{Axes, Kinematics};
 use spatial::ports::{
-    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, HORIZON, RobotState,
+    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, HORIZON, ObjectPose,
+    RobotState,
 };
 use spatial::{Compliance, Deflection, TICK_S, TICK_US, Wrench};
 use std::f64::consts::TAU;
@@ -67,6 +73,7 @@ pub struct Controller {
     fault: Fault,
     encoders: EncoderHistory,
     newest_sample_utime: i64,
+    expectation: Expectation,
     tare: Tare,
     start: Axes,
     /// The set-point that the axes are to reach next.
@@ -114,15 +121,19 @@ impl Controller {
                     controller.compliance_rad_per_nm,
                 ),
                 d: controller.tcp_in_s_m.into(),
-                desired: Wrench {
-                    force: Vector3::new(0.0, 0.0, scenario.task.desired_force_n),
-                    moment: scenario.task.desired_moment_nm.into(),
+                desired: match scenario.task.kind {
+                    TaskKind::Press => Wrench {
+                        force: Vector3::new(0.0, 0.0, scenario.task.desired_force_n),
+                        moment: scenario.task.desired_moment_nm.into(),
+                    },
+                    TaskKind::Position => Wrench::default(),
                 },
             },
             phase: ControllerPhase::Init,
             fault: Fault::None,
             encoders: EncoderHistory::default(),
             newest_sample_utime: i64::MIN,
+            expectation: Expectation::new(scenario),
             tare: Tare::default(),
             start: Axes::zeros(),
             commanded: Axes::zeros(),
@@ -131,12 +142,21 @@ impl Controller {
         }
     }
 
-    /// One cycle at the tick of `state`: the command that answers it, and the status.
+    /// One cycle at the tick of `state`: the command that answers it, and the status. `object` is the non-contact
+    /// sensor's pose of the object, where one is published at that tick.
     ///
-    /// Both messages have been checked by whoever received them.
-    pub fn cycle(&mut self, state: &RobotState, deflections: &Deflections) -> Outputs {
+    /// All messages have been checked by whoever received them.
+    pub fn cycle(
+        &mut self,
+        state: &RobotState,
+        deflections: &Deflections,
+        object: Option<&ObjectPose>,
+    ) -> Outputs {
         let tick = state.stamp.step;
         self.encoders.update(state);
+        if let Some(pose) = object {
+            self.expectation.take(pose);
+        }
         if self.phase == ControllerPhase::Init {
             self.start = state.axis_position[0];
             self.commanded = self.start;
@@ -181,7 +201,7 @@ impl Controller {
             flags: sample.flags,
             axes,
         };
-        motion.take(&self.settings, &sample, approaching, tick);
+        motion.take(&self.settings, &self.expectation, &sample, approaching, tick);
     }
 
     /// The deflection that a sample stands for. Paper (3), (4): a sensor that outputs forces is turned back into
@@ -214,22 +234,23 @@ impl Controller {
                 self.motion = Some(Motion::new(settings, &self.tare.mean(), &self.start));
                 self.phase = ControllerPhase::Ready;
             }
-            ControllerPhase::Ready if time >= settings.task.standstill_s => {
+            ControllerPhase::Ready if time >= settings.task.standstill_s && self.expectation.ready() => {
                 self.phase = ControllerPhase::Approach;
             }
             _ => {}
         }
         let Some(motion) = &mut self.motion else { return };
-        match self.phase {
-            ControllerPhase::Approach => {
-                if motion.in_contact() {
-                    self.phase = ControllerPhase::Contact;
-                } else if motion.approached_for(tick) > motion.approach_duration() {
-                    self.phase = ControllerPhase::Fault;
-                    self.fault = Fault::NoContact;
-                }
+        let ended = match self.phase {
+            ControllerPhase::Approach | ControllerPhase::Contact => {
+                let so_far = motion.approached_for(settings, &self.expectation, tick);
+                so_far > motion.approach_duration()
             }
-            ControllerPhase::Contact | ControllerPhase::Settled => {
+            _ => false,
+        };
+        match (settings.task.kind, self.phase) {
+            (_, ControllerPhase::Approach) if motion.in_contact() => self.phase = ControllerPhase::Contact,
+            (TaskKind::Press, ControllerPhase::Approach) if ended => self.fail(Fault::NoContact),
+            (TaskKind::Press, ControllerPhase::Contact | ControllerPhase::Settled) => {
                 let error = motion.force_n() - settings.task.desired_force_n;
                 let inside = libm::fabs(error) <= settings.controller.settled_band_n;
                 let inside_s = motion.count_settled(inside) as f64 * settings.period_ticks as f64 * TICK_S;
@@ -239,24 +260,36 @@ impl Controller {
                     self.phase = ControllerPhase::Contact;
                 }
             }
+            (TaskKind::Position, ControllerPhase::Approach | ControllerPhase::Contact) => {
+                if motion.yields_by_m() > settings.task.tolerance_m {
+                    self.fail(Fault::ToleranceExceeded);
+                } else if ended {
+                    self.phase = ControllerPhase::Settled;
+                }
+            }
             _ => {}
         }
     }
 
-    /// The next set-points of the axes, one period apart. A pose that kinematics can't reach latches a fault: the
-    /// axes stay at the set-point last given.
+    fn fail(&mut self, fault: Fault) {
+        self.phase = ControllerPhase::Fault;
+        self.fault = fault;
+    }
+
+    /// The next set-points of the axes, one period apart. A pose that kinematics can't reach latches a fault. Then, and
+    /// where more is in the way than a task tolerates, the axes stay at the set-point last given.
     fn set_points(&mut self, tick: i64, actual: &Axes) -> [Axes; HORIZON] {
         self.limits = 0;
         let held = [self.commanded; HORIZON];
         let Some(motion) = &mut self.motion else {
             return held;
         };
-        if self.fault == Fault::Unreachable {
+        if matches!(self.fault, Fault::Unreachable | Fault::ToleranceExceeded) {
             return held;
         }
-        let Ok((set_points, bound)) = motion.set_points(&self.settings, tick, actual) else {
-            self.phase = ControllerPhase::Fault;
-            self.fault = Fault::Unreachable;
+        let Ok((set_points, bound)) = motion.set_points(&self.settings, &self.expectation, tick, actual)
+        else {
+            self.fail(Fault::Unreachable);
             return held;
         };
         if bound {

@@ -5,6 +5,7 @@ use crate::object::{Base, Object};
 use crate::tool::State;
 use nalgebra::{Rotation3, Vector3};
 use node::scenario::{self, ToolShape};
+use spatial::Pose;
 use std::f64::consts::TAU;
 
 /// Points on each ring of a peg.
@@ -159,8 +160,8 @@ impl Contacts {
         base.velocity - self.object.normal() * state.surface.rate
     }
 
-    /// Height of the object's origin in r, m, where its surface has yielded to.
-    pub fn height_m(&self, state: &State, base: &Base) -> f64 {
-        base.position.z - self.object.normal().z * state.surface.depth
+    /// `r_from_o`: where the object is with its surface, which has yielded.
+    pub fn object_pose(&self, state: &State, base: &Base) -> Pose {
+        self.object.pose(base, &state.surface)
     }
 }

@@ -18,6 +18,8 @@ pub struct ImpactMonitor {
     /// Highest approach speed for the allowed force; `None`: any force is allowed.
     speed_limit_m_per_s: Option<f64>,
     speed: SpeedEstimate,
+    /// Speed of the object towards the tool, as expected.
+    object_m_per_s: f64,
     /// The speed measured at the contact.
     contact_speed_m_per_s: Option<f64>,
 }
@@ -56,6 +58,7 @@ impl ImpactMonitor {
             effective_mass_kg,
             speed_limit_m_per_s: speed_limit.transpose()?,
             speed: SpeedEstimate::default(),
+            object_m_per_s: 0.0,
             contact_speed_m_per_s: None,
         })
     }
@@ -66,22 +69,27 @@ impl ImpactMonitor {
             .map_or(requested, |limit| requested.min(limit))
     }
 
-    /// Take one sample before the contact, or the one that detects it: see [`SpeedEstimate::take`].
-    pub fn take(&mut self, time_s: f64, tcp_m: f64, hanging_m: f64) {
+    /// Take one sample before the contact, or the one that detects it: see [`SpeedEstimate::take`]. The object is
+    /// expected to come towards the tool with `object_m_per_s`.
+    pub fn take(&mut self, time_s: f64, [tcp_m, hanging_m]: [f64; 2], object_m_per_s: f64) {
         if self.contact_speed_m_per_s.is_none() {
             self.speed.take(time_s, tcp_m, hanging_m);
+            self.object_m_per_s = object_m_per_s;
         }
     }
 
     /// The sample taken last has detected the contact.
     pub fn contact(&mut self) {
-        self.contact_speed_m_per_s.get_or_insert(self.speed.at_contact());
+        self.contact_speed_m_per_s
+            .get_or_insert(self.speed.at_contact(self.object_m_per_s));
     }
 
     /// The impact that the present speed would cause; after the contact, the one that the speed measured at the contact
     /// has caused. Without a speed towards the object there is none.
     pub fn assessment(&self) -> ImpactAssessment {
-        let speed = self.contact_speed_m_per_s.unwrap_or_else(|| self.speed.present());
+        let speed = self
+            .contact_speed_m_per_s
+            .unwrap_or_else(|| self.speed.present() + self.object_m_per_s);
         let none = ImpactAssessment {
             speed_m_per_s: speed,
             effective_mass_kg: self.effective_mass_kg,
@@ -138,7 +146,7 @@ mod tests {
         let mut monitor = monitor(0.0);
         assert_eq!(monitor.assessment().peak_force_n, 0.0);
         let height = |tick: i32| -2e-5 * f64::from(tick);
-        (0..100).for_each(|tick| monitor.take(f64::from(tick) * 1e-3, height(tick), height(tick)));
+        (0..100).for_each(|tick| monitor.take(f64::from(tick) * 1e-3, [height(tick); 2], 0.0));
         let before = monitor.assessment();
         assert!((before.peak_force_n - 107.264).abs() < 0.001 && (before.speed_m_per_s - 0.02).abs() < 1e-9);
         // pi/2 sqrt(M / c_in) to get in, half of that out with c_re = 4 c_in.
@@ -146,12 +154,12 @@ mod tests {
             (before.characteristic_time_s - 0.7898e-3).abs() < 1e-7,
             "{before:?}"
         );
-        monitor.take(0.1, height(99), height(100));
+        monitor.take(0.1, [height(99), height(100)], 0.0);
         monitor.contact();
         let after = monitor.assessment();
         assert!((after.peak_force_n - 107.264).abs() < 0.1, "{after:?}");
         // Pressing says nothing new.
-        (100..200).for_each(|tick| monitor.take(f64::from(tick) * 1e-3, height(99), height(99)));
+        (100..200).for_each(|tick| monitor.take(f64::from(tick) * 1e-3, [height(99); 2], 0.0));
         monitor.contact();
         assert_eq!(monitor.assessment(), after);
     }

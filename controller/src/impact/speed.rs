@@ -52,22 +52,23 @@ impl SpeedEstimate {
         self.slope(f64::INFINITY, |passed| passed.tcp_m).unwrap_or(0.0)
     }
 
-    /// The speed (m/s) of the tcp downwards at the contact that the newest sample has detected.
+    /// The speed (m/s) of tcp and object towards each other at the contact that the newest sample has detected; the
+    /// object comes with `object_m_per_s`.
     ///
     /// The robot does not know of the contact yet, so that the hanging tcp moves on as before while the real one rests
     /// on the object: the way between the two tells how long the contact has lasted. The speed is that of the tcp in
     /// the samples before, the tool's swing on the sensor included. A slow approach is detected so late that none of
     /// them is left; then it is the hanging tcp's, whose swing is too slow to matter.
-    pub fn at_contact(&self) -> f64 {
-        let moving_on = self
+    pub fn at_contact(&self, object_m_per_s: f64) -> f64 {
+        let hanging = self
             .slope(f64::INFINITY, |passed| passed.hanging_m)
             .unwrap_or(0.0);
         let newest = &self.passed[self.count.wrapping_sub(1) % KEPT];
-        let since_s = (newest.tcp_m - newest.hanging_m) / moving_on;
+        let since_s = (newest.tcp_m - newest.hanging_m) / (hanging + object_m_per_s);
         // Not a number (without any speed) is before nothing.
         let free_until_s = newest.time_s - since_s - MARGIN_S;
-        self.slope(free_until_s, |passed| passed.tcp_m)
-            .unwrap_or(moving_on)
+        let tcp = self.slope(free_until_s, |passed| passed.tcp_m).unwrap_or(hanging);
+        tcp + object_m_per_s
     }
 
     /// The slope downwards (m/s) of `height` over the last samples not after `until_s`.
@@ -126,7 +127,7 @@ mod tests {
     #[test]
     fn the_speed_at_contact_is_that_before_it() {
         for (speed, after) in [(0.02, 0.003), (0.001, 0.024), (1e-4, 0.24)] {
-            let found = approach(speed, 0.0, after).at_contact();
+            let found = approach(speed, 0.0, after).at_contact(0.0);
             assert!((found / speed - 1.0).abs() < 1e-9, "{found} instead of {speed}");
         }
     }
@@ -134,15 +135,27 @@ mod tests {
     /// The tool swings against the approach with 20 rad/s times 50 um, 1 of 20 mm/s, a little less in the mean.
     #[test]
     fn the_tools_swing_counts() {
-        let found = approach(0.02, 5e-5, 0.003).at_contact();
+        let found = approach(0.02, 5e-5, 0.003).at_contact(0.0);
         assert!((0.0190..0.0192).contains(&found), "{found}");
+    }
+
+    /// The tool stands still, the object comes.
+    #[test]
+    fn a_moving_object_counts() {
+        let mut estimate = SpeedEstimate::default();
+        for tick in 0..=503 {
+            let object = 0.02 * (f64::from(tick) * 1e-3 - 0.5);
+            estimate.take(f64::from(tick) * 1e-3, object.max(0.0), 0.0);
+        }
+        let found = estimate.at_contact(0.02);
+        assert!((found / 0.02 - 1.0).abs() < 1e-9, "{found}");
     }
 
     #[test]
     fn standing_still_is_no_speed() {
         let mut still = SpeedEstimate::default();
-        assert_eq!(still.at_contact(), 0.0);
+        assert_eq!(still.at_contact(0.0), 0.0);
         (0..100).for_each(|tick| still.take(f64::from(tick) * 1e-3, 0.5, 0.5));
-        assert_eq!((still.present(), still.at_contact()), (0.0, 0.0));
+        assert_eq!((still.present(), still.at_contact(0.0)), (0.0, 0.0));
     }
 }

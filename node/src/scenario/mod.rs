@@ -1,11 +1,13 @@
 //! The scenario: one TOML file per experiment, read by all nodes.
 //!
-//! Every key is declared once, below: name (its suffix is the unit), type, default, limits and one line of
-//! documentation. The structs, reading with validation, [`Scenario::hash`] and [`Scenario::keys`] follow from
-//! that. Every key is optional; the defaults are the experiment of the paper's section V on the reference plant.
+//! Every key is declared once, below or in the file of its section: name (its suffix is the unit), type, default,
+//! limits and one line of documentation. The structs, reading with validation, [`Scenario::hash`] and
+//! [`Scenario::keys`] follow from that. Every key is optional; the defaults are the experiment of the paper's
+//! section V on the reference plant.
 //!
-//! What is (`[robot]`, `[sensor]`, `[tool]`, `[object]`) and what the controller assumes (`[controller]`) are
-//! separate entries, so that every claim about a wrong compliance, delay, mass or gear can be tested.
+//! What is (`[robot]`, `[sensor]`, `[tool]`, `[object]`, `[object_sensor]`) and what the controller assumes
+//! (`[controller]`) are separate entries, so that every claim about a wrong compliance, delay, mass or gear can be
+//! tested.
 
 mod check;
 mod choice;
@@ -13,6 +15,7 @@ mod error;
 mod estimate;
 mod hash;
 mod names;
+mod object_sensor;
 mod reach;
 mod read;
 mod robot;
@@ -21,16 +24,20 @@ mod schema;
 mod tests;
 mod value;
 
-pub use choice::{Gears, Kinematics, ObjectMotion, Pairing, SensorOutput, TimingMode, ToolShape, Transform};
+pub use choice::{
+    ExpectedFrom, Gears, Kinematics, ObjectMotion, Pairing, SensorOutput, TaskKind, TimingMode, ToolShape,
+    Transform,
+};
 pub use error::ScenarioError;
+pub use object_sensor::ObjectSensor;
 pub use robot::Drives;
 pub use schema::{Allowed, Key};
 pub use spatial::ports::Law;
 
 schema::section! {
     /// One experiment: what is, what is asked for, and what the controller assumes.
-    Scenario at "" with timing: Timing, robot: Robot, sensor: Sensor, tool: Tool, object: Object, task: Task,
-        controller: Controller {}
+    Scenario at "" with timing: Timing, robot: Robot, sensor: Sensor, tool: Tool, object: Object,
+        object_sensor: ObjectSensor, task: Task, controller: Controller {}
 }
 
 schema::section! {
@@ -279,14 +286,18 @@ schema::section! {
 schema::section! {
     /// What is asked for.
     Task at "task" with force_controlled: ForceControlled {
+        /// What it is about.
+        kind: TaskKind = TaskKind::Press;
         /// Where the tcp starts, in r.
         start_position_m: [f64; 3] = [0.0, 0.0, 0.030], in -10.0..=10.0;
         /// Standstill before the approach.
         standstill_s: f64 = 0.25, in 0.0..=60.0;
         /// Height in r at which the object is expected.
         expected_height_m: f64 = 0.0, in -10.0..=10.0;
-        /// How far below that height to search.
+        /// How far below that height to search; a position to be reached lies there.
         search_depth_m: f64 = 0.005, in 0.0..=1.0;
+        /// How far the tcp may yield on the way to a position.
+        tolerance_m: f64 = 0.001, in 1e-6..=0.1;
         /// Speed of the approach.
         approach_speed_m_per_s: f64 = 0.020, in 0.0005..=1.0;
         /// Desired normal force.
@@ -327,8 +338,8 @@ impl ForceControlled {
 
 schema::section! {
     /// The control law and what it assumes of robot, sensor and tool.
-    Controller at "controller" with pd: Pd, proposed: Proposed, impedance: Impedance,
-        impact: Impact {
+    Controller at "controller" with pd: Pd, proposed: Proposed, impedance: Impedance, expected: Expected,
+        servo: AssumedServo, impact: Impact {
         /// Control law.
         law: Law = Law::Proposed;
         /// Which actual pose is taken to belong to a deflection.
@@ -388,12 +399,52 @@ schema::section! {
 schema::section! {
     /// The law `proposed`: eqs. (2) and (9) to (12) as an object model.
     Proposed at "controller.proposed" {
-        /// Weight of a new sample in the object's pose.
+        /// Weight of a new sample in the object's pose, just after the contact.
         object_filter_gain: f64 = 0.1, in 1e-3..=1.0;
+        /// The same later: the weight falls as in a mean over all samples, down to this one.
+        settled_filter_gain: f64 = 0.01, in 1e-4..=1.0;
         /// How the object is assumed to move.
         object_motion: ObjectMotion = ObjectMotion::Fixed;
         /// Bandwidth of the reference model.
-        reference_bandwidth_hz: f64 = 30.0, in 0.1..=200.0;
+        reference_bandwidth_hz: f64 = 35.0, in 0.1..=200.0;
+        /// Whether the desired force is fed forward as a disturbance of the position control.
+        disturbance_feed_forward: bool = true;
+    }
+}
+
+schema::section! {
+    /// What is known of the object before the contact.
+    Expected at "controller.expected" {
+        /// Where it is known from.
+        from: ExpectedFrom = ExpectedFrom::Nothing;
+        /// How the object is assumed to move before the contact.
+        object_motion: ObjectMotion = ObjectMotion::Steady;
+        /// Weight of a new sample of the non-contact sensor.
+        filter_gain: f64 = 0.1, in 1e-3..=1.0;
+        /// How far above the expected object the approach has slowed down.
+        search_margin_m: f64 = 0.0005, in 0.0..=0.1;
+        /// Speed of the search from there on.
+        search_speed_m_per_s: f64 = 0.002, in 1e-5..=1.0;
+        /// Origin of the object's frame, seen from the tcp that touches it.
+        object_in_tcp_m: [f64; 3] = [0.0, 0.0, 0.0], in -10.0..=10.0;
+        /// Rotation vector from the tcp's orientation to the object's then.
+        object_in_tcp_rad: [f64; 3] = [0.0, 0.0, 0.0], in -3.2..=3.2;
+    }
+}
+
+schema::section! {
+    /// What the controller assumes of the servos of the axes, `[robot]` as it is known from outside.
+    AssumedServo at "controller.servo" {
+        /// Gain of the position loop.
+        position_gain_per_s: f64 = 25.0, in 0.1..=500.0;
+        /// Bandwidth of the velocity loop, with the motor's inertia alone.
+        velocity_bandwidth_hz: f64 = 60.0, in 1.0..=150.0;
+        /// Integral time of the velocity loop.
+        velocity_integral_time_s: f64 = 0.03, in 1e-3..=100.0;
+        /// Inertia of each axis on the motor's side.
+        motor_inertia_kg_m2: [f64; 6] = [120.0, 120.0, 120.0, 4.0, 4.0, 4.0], in 1e-3..=1e4;
+        /// Inertia of each axis on the link's side.
+        link_inertia_kg_m2: [f64; 6] = [60.0, 60.0, 60.0, 2.0, 2.0, 2.0], in 1e-3..=1e4;
     }
 }
 
