@@ -206,7 +206,14 @@ fn the_allowed_impact_force_is_kept() {
     ];
     let mut all = Vec::new();
     for (exponent, coefficient, ratio, smooth_step_s) in materials {
-        for speed in [0.005, 0.02, 0.1] {
+        let struck = Object {
+            exponent,
+            indentation_n_per_m: coefficient,
+            ..Object::default()
+        };
+        // Off the elastic one it may be slower; 1.8 kg strike.
+        let allowed = surface(&struck).speed_for_force_m_per_s(1.8, ALLOWED_N).unwrap() / 1.7;
+        for speed in [0.01, 0.1] {
             let overrides = [
                 format!("object.exponent={exponent}"),
                 format!("object.indentation_n_per_m={coefficient}"),
@@ -219,7 +226,7 @@ fn the_allowed_impact_force_is_kept() {
                 // At least 0.45 s of cruise: what the ramp excites has faded to 3 % of the speed.
                 "object.height_m=0.020".to_owned(),
                 format!("sensor.smooth_step_s={smooth_step_s}"),
-                "timing.duration_s=4.2".to_owned(),
+                format!("timing.duration_s={}", 0.95 + 0.010 / f64::min(speed, allowed)),
             ];
             all.extend(runs(2, &overrides));
         }

@@ -8,6 +8,7 @@ fn report(allowed_force_n: Option<f64>) -> Report {
     let mut question = question(&Scenario::default(), "paper").unwrap();
     question.allowed_force_n = allowed_force_n;
     question.controlled_peak_n = Some(14.0);
+    question.sampling_time_s = 0.002;
     question.answer().unwrap()
 }
 
