@@ -45,13 +45,8 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     let (reports, left_out) = match &args.scenario {
         Some(name) => {
             let scenario = Source::find(name)?.scenario(&args.overrides)?;
-            let mut question = args.further(scenario::question(&scenario, name)?);
-            let simulated = Simulated::of(&scenario)?;
-            question.controlled_peak_n = question.controlled_peak_n.or(Some(simulated.controlled_peak_n));
-            let report = Report {
-                simulated: Some(simulated),
-                ..question.answer()?
-            };
+            let report = args.further(scenario::question(&scenario, name)?).answer()?;
+            let report = report.with_simulation(Simulated::of(&scenario)?);
             (vec![report], scenario::left_out(&scenario))
         }
         None => (answers(&args.questions(&library)?)?, Vec::new()),

@@ -3,7 +3,7 @@
 use super::simulated::Simulated;
 use controller::impact::bounce::second_impact_speed_ratio;
 use controller::impact::quantity::SAMPLING_TIME;
-use controller::impact::{Impact, ImpactError, Striker, Surface, TransientContact};
+use controller::impact::{ImpactError, Striker, Surface, TransientContact};
 use serde::Serialize;
 
 /// What is asked.
@@ -149,8 +149,8 @@ pub struct TransientReport {
 }
 
 /// What the second output is not.
-pub const NOTICE: &str = "an estimate in the manner of ISO/TS 15066, no certification: limits and their proof come from \
-                          the standard that applies, measurements and a risk assessment";
+pub const NOTICE: &str =
+    "an estimate in the manner of ISO/TS 15066, no certification; limits come from the standard that applies";
 
 impl Question {
     /// The answer.
@@ -185,7 +185,9 @@ impl Question {
             sampling_time_s,
             controllable: impact.characteristic_time_s() > sampling_time_s,
             controlled_peak_n: self.controlled_peak_n,
-            limit: self.controlled_peak_n.map(|peak| limit(&impact, peak)),
+            limit: self
+                .controlled_peak_n
+                .map(|peak| limit(impact.peak_force_n, peak)),
             allowed_force_n: self.allowed_force_n,
             speed_for_allowed_force_m_per_s: for_force.transpose()?,
             allowed_remaining_depth_m: self.allowed_remaining_depth_m,
@@ -197,8 +199,28 @@ impl Question {
     }
 }
 
-fn limit(impact: &Impact, controlled_peak_n: f64) -> Limit {
-    if impact.peak_force_n > controlled_peak_n {
+impl Report {
+    /// The report with what a simulated run says to it: the run's own impact, which may be slower than what was asked
+    /// for, is what its controlled force is compared with.
+    pub fn with_simulation(self, simulated: Simulated) -> Self {
+        let controlled_peak_n = self.controlled_peak_n.unwrap_or(simulated.controlled_peak_n);
+        Self {
+            controlled_peak_n: Some(controlled_peak_n),
+            limit: Some(limit(simulated.peak_force_n, controlled_peak_n)),
+            simulated: Some(simulated),
+            ..self
+        }
+    }
+
+    /// The impact that the controlled force is compared with, N.
+    pub fn compared_peak_n(&self) -> f64 {
+        self.simulated
+            .map_or(self.peak_force_n, |simulated| simulated.peak_force_n)
+    }
+}
+
+fn limit(impact_peak_n: f64, controlled_peak_n: f64) -> Limit {
+    if impact_peak_n > controlled_peak_n {
         Limit::Impact
     } else {
         Limit::Control

@@ -124,15 +124,15 @@ fn sentences(f: &mut Formatter<'_>, report: &Report, named: bool) -> Result {
         (Some(Limit::Impact), Some(peak)) => writeln!(
             f,
             "The impact is the limit: its {} N are {} times the {} N of the controlled force's peak.",
-            digits(report.peak_force_n),
-            digits(report.peak_force_n / peak),
+            digits(report.compared_peak_n()),
+            digits(report.compared_peak_n() / peak),
             digits(peak)
         )?,
         (Some(Limit::Control), Some(peak)) => writeln!(
             f,
             "Control is the limit: the {} N of the controlled force's peak exceed the impact's {} N.",
             digits(peak),
-            digits(report.peak_force_n)
+            digits(report.compared_peak_n())
         )?,
         _ => {}
     }
@@ -176,8 +176,8 @@ fn sentences(f: &mut Formatter<'_>, report: &Report, named: bool) -> Result {
     };
     writeln!(
         f,
-        "\nTransient contact with a person ({}):\n  {} kg of robot and {} kg of body, reduced mass {} kg, on {} N/mm: {} N \
-         at {} mm/s",
+        "\nTransient contact with a person: {}.\n  {} kg of robot and {} kg of body, reduced mass {} kg, on {} N/mm: \
+         {} N at {} mm/s",
         contact.notice,
         digits(contact.robot_mass_kg),
         digits(contact.body_mass_kg),
