@@ -4,20 +4,13 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ImpactError {
     /// A value outside its limits.
-    #[error("{name} is {}, outside {} to {}; {remedy}", with_unit(*value, unit), decimal(*low), with_unit(*high, unit))]
+    #[error("{} is {}, outside {} to {}; {}", quantity.name, quantity.text(*value), decimal(quantity.low),
+        quantity.text(quantity.high), quantity.remedy)]
     OutOfRange {
         /// What it is.
-        name: &'static str,
+        quantity: &'static Quantity,
         /// Its value.
         value: f64,
-        /// Its unit; empty: none.
-        unit: &'static str,
-        /// The lower limit.
-        low: f64,
-        /// The upper limit.
-        high: f64,
-        /// What to do.
-        remedy: &'static str,
     },
     /// How fast something may be that leaves no mark at any speed.
     #[error(
@@ -52,23 +45,25 @@ impl Quantity {
     }
 
     /// `value` if it lies within the limits; NaN lies nowhere.
-    pub fn check(&self, value: f64) -> Result<f64, ImpactError> {
+    pub fn check(&'static self, value: f64) -> Result<f64, ImpactError> {
         if (self.low..=self.high).contains(&value) {
             return Ok(value);
         }
         Err(ImpactError::OutOfRange {
-            name: self.name,
+            quantity: self,
             value,
-            unit: self.unit,
-            low: self.low,
-            high: self.high,
-            remedy: self.remedy,
         })
+    }
+
+    /// `value` with the unit.
+    fn text(&self, value: f64) -> String {
+        let gap = if self.unit.is_empty() { "" } else { " " };
+        format!("{}{gap}{}", decimal(value), self.unit)
     }
 }
 
 /// n of (13): `0 < n <= 2`. Below 1e-6 the force is the same at any depth that has a meaning.
-pub const EXPONENT: Quantity = Quantity::new(
+pub static EXPONENT: Quantity = Quantity::new(
     "exponent n",
     "",
     1e-6,
@@ -76,7 +71,7 @@ pub const EXPONENT: Quantity = Quantity::new(
     "1 is a flat punch, 1.5 a sphere, 2 a cone",
 );
 /// c_in of (13).
-pub const COEFFICIENT: Quantity = Quantity::new(
+pub static COEFFICIENT: Quantity = Quantity::new(
     "indentation coefficient c_in",
     "N/m^n",
     1e-3,
@@ -84,7 +79,7 @@ pub const COEFFICIENT: Quantity = Quantity::new(
     "for a flat punch it is 2 R E*",
 );
 /// c_re over c_in.
-pub const REBOUND_RATIO: Quantity = Quantity::new(
+pub static REBOUND_RATIO: Quantity = Quantity::new(
     "rebound ratio c_re / c_in",
     "",
     1.0,
@@ -92,7 +87,7 @@ pub const REBOUND_RATIO: Quantity = Quantity::new(
     "1 is elastic, more leaves an indentation",
 );
 /// M.
-pub const MASS: Quantity = Quantity::new(
+pub static MASS: Quantity = Quantity::new(
     "mass",
     "kg",
     1e-6,
@@ -100,7 +95,7 @@ pub const MASS: Quantity = Quantity::new(
     "give the mass that strikes, such as 4 kg for a tool",
 );
 /// A moment of inertia.
-pub const INERTIA: Quantity = Quantity::new(
+pub static INERTIA: Quantity = Quantity::new(
     "moment of inertia",
     "kg m^2",
     1e-9,
@@ -108,9 +103,9 @@ pub const INERTIA: Quantity = Quantity::new(
     "give the principal moments about the centre of mass",
 );
 /// A coordinate of a lever.
-pub const COORDINATE: Quantity = Quantity::new("coordinate", "m", -100.0, 100.0, "give it in metres");
+pub static COORDINATE: Quantity = Quantity::new("coordinate", "m", -100.0, 100.0, "give it in metres");
 /// v_0.
-pub const SPEED: Quantity = Quantity::new(
+pub static SPEED: Quantity = Quantity::new(
     "speed",
     "m/s",
     1e-9,
@@ -118,9 +113,10 @@ pub const SPEED: Quantity = Quantity::new(
     "give the speed towards the object, positive",
 );
 /// E.
-pub const YOUNGS_MODULUS: Quantity = Quantity::new("Young's modulus", "Pa", 1e3, 1e13, "steel has 2.1e11 Pa");
+pub static YOUNGS_MODULUS: Quantity =
+    Quantity::new("Young's modulus", "Pa", 1e3, 1e13, "steel has 2.1e11 Pa");
 /// E*.
-pub const EFFECTIVE_MODULUS: Quantity = Quantity::new(
+pub static EFFECTIVE_MODULUS: Quantity = Quantity::new(
     "effective Young's modulus E*",
     "Pa",
     1e3,
@@ -128,7 +124,7 @@ pub const EFFECTIVE_MODULUS: Quantity = Quantity::new(
     "steel on steel has about 1e11 Pa",
 );
 /// nu.
-pub const POISSON_RATIO: Quantity = Quantity::new(
+pub static POISSON_RATIO: Quantity = Quantity::new(
     "Poisson's ratio",
     "",
     0.0,
@@ -136,7 +132,7 @@ pub const POISSON_RATIO: Quantity = Quantity::new(
     "most solids have 0.2 to 0.4, rubber 0.5",
 );
 /// A radius or another length of an indenter.
-pub const LENGTH: Quantity = Quantity::new(
+pub static LENGTH: Quantity = Quantity::new(
     "length of the shape",
     "m",
     1e-9,
@@ -144,7 +140,7 @@ pub const LENGTH: Quantity = Quantity::new(
     "give its radius or side in metres",
 );
 /// Half the angle of a cone.
-pub const HALF_ANGLE: Quantity = Quantity::new(
+pub static HALF_ANGLE: Quantity = Quantity::new(
     "half angle",
     "rad",
     1e-3,
@@ -152,7 +148,7 @@ pub const HALF_ANGLE: Quantity = Quantity::new(
     "measure from the axis to the flank; a right angle would be a plane",
 );
 /// A shape's numerical factor.
-pub const FACTOR: Quantity = Quantity::new(
+pub static FACTOR: Quantity = Quantity::new(
     "factor of the shape",
     "",
     1e-6,
@@ -160,7 +156,7 @@ pub const FACTOR: Quantity = Quantity::new(
     "2 is a flat punch, 4/3 a sphere",
 );
 /// A force that is allowed.
-pub const FORCE: Quantity = Quantity::new(
+pub static FORCE: Quantity = Quantity::new(
     "allowed force",
     "N",
     1e-6,
@@ -168,7 +164,7 @@ pub const FORCE: Quantity = Quantity::new(
     "give the largest force that the object or the tool stands",
 );
 /// An indentation that may remain.
-pub const REMAINING_DEPTH: Quantity = Quantity::new(
+pub static REMAINING_DEPTH: Quantity = Quantity::new(
     "allowed remaining indentation",
     "m",
     1e-12,
@@ -176,7 +172,7 @@ pub const REMAINING_DEPTH: Quantity = Quantity::new(
     "give the deepest mark that may stay",
 );
 /// Stiffness of a contact with a person.
-pub const BODY_STIFFNESS: Quantity = Quantity::new(
+pub static BODY_STIFFNESS: Quantity = Quantity::new(
     "contact stiffness k of the body region",
     "N/m",
     1.0,
@@ -184,7 +180,7 @@ pub const BODY_STIFFNESS: Quantity = Quantity::new(
     "take it from the table of the standard that applies",
 );
 /// Sampling time of the force control.
-pub const SAMPLING_TIME: Quantity = Quantity::new(
+pub static SAMPLING_TIME: Quantity = Quantity::new(
     "sampling time",
     "s",
     1e-6,
@@ -199,11 +195,6 @@ pub(crate) fn decimal(value: f64) -> String {
     } else {
         format!("{value:e}")
     }
-}
-
-fn with_unit(value: f64, unit: &str) -> String {
-    let gap = if unit.is_empty() { "" } else { " " };
-    format!("{}{gap}{unit}", decimal(value))
 }
 
 #[cfg(test)]
@@ -226,7 +217,7 @@ mod tests {
     fn what_is_no_number_is_refused() {
         assert!(EXPONENT.check(0.0).is_err() && EXPONENT.check(2.0).is_ok());
         assert!(EXPONENT.check(1e-6).is_ok() && EXPONENT.check(2.0000001).is_err());
-        for quantity in [EXPONENT, MASS, SPEED, POISSON_RATIO, REBOUND_RATIO] {
+        for quantity in [&EXPONENT, &MASS, &SPEED, &POISSON_RATIO, &REBOUND_RATIO] {
             assert!(quantity.check(f64::NAN).is_err() && quantity.check(f64::INFINITY).is_err());
         }
     }

@@ -156,7 +156,6 @@ fn panels(report: &Report) -> Vec<Panel<'static>> {
                 .simulated
                 .map(|simulated| (1e3 * simulated.contact_speed_m_per_s, simulated.peak_force_n)),
             sample: None,
-            ..blank
         },
     ]
 }
