@@ -94,6 +94,14 @@ pub static MASS: Quantity = Quantity::new(
     1e6,
     "give the mass that strikes, such as 4 kg for a tool",
 );
+/// The mass that a contact feels: far less than the tool's where that gives way by turning.
+pub static EFFECTIVE_MASS: Quantity = Quantity::new(
+    "effective mass",
+    "kg",
+    1e-12,
+    1e6,
+    "check the tool's moments of inertia and levers",
+);
 /// A moment of inertia.
 pub static INERTIA: Quantity = Quantity::new(
     "moment of inertia",

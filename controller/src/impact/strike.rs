@@ -1,7 +1,7 @@
 //! A mass strikes a body: what the energy says about depth, force and time, and the inverse questions.
 
 use super::kick::KicksLaw;
-use super::quantity::{FORCE, ImpactError, MASS, REMAINING_DEPTH, SPEED};
+use super::quantity::{EFFECTIVE_MASS, FORCE, ImpactError, REMAINING_DEPTH, SPEED};
 use super::rebound::Rebound;
 use std::f64::consts::PI;
 
@@ -25,7 +25,7 @@ impl Striker {
     /// With the effective mass (kg) along the normal and the speed (m/s) towards the body.
     pub fn new(mass_kg: f64, speed_m_per_s: f64) -> Result<Self, ImpactError> {
         Ok(Self {
-            mass: MASS.check(mass_kg)?,
+            mass: EFFECTIVE_MASS.check(mass_kg)?,
             speed: SPEED.check(speed_m_per_s)?,
         })
     }
@@ -115,7 +115,7 @@ impl Surface {
 
     /// The speed (m/s) whose energy takes a mass down to `depth` (m).
     fn speed_for_depth(&self, mass: f64, depth: f64) -> Result<f64, ImpactError> {
-        let speed = (2.0 * self.law.energy_j(depth) / MASS.check(mass)?).sqrt();
+        let speed = (2.0 * self.law.energy_j(depth) / EFFECTIVE_MASS.check(mass)?).sqrt();
         if speed.is_normal() {
             Ok(speed)
         } else {
