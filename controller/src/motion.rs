@@ -3,7 +3,7 @@
 use crate::Settings;
 use crate::approach::{Approach, PathPoint, spread};
 use crate::command_dynamics::CommandDynamics;
-use crate::contact::{Aim, ContactSample, PREVIEW, Situation};
+use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch};
 use crate::detection::Detector;
 use crate::disturbance::Disturbance;
 use crate::dofs::{Dofs, NORMAL, Selection, TaskFrame, TcpCompliance, displacement};
@@ -17,6 +17,9 @@ use spatial::kinematics::{Axes, Unreachable, join, split};
 use spatial::ports::{HORIZON, ImpactAssessment, SampleFlags};
 use spatial::{Compliance, Deflection, Pose, TICK_S};
 use std::f64::consts::TAU;
+
+/// How long the tool stays in the air after an impact at most (PLANT.md section 7: some 5 ms).
+const LONGEST_BOUNCE_TICKS: i64 = 30;
 
 /// Everything that exists only once the tare is known.
 #[derive(Clone, Debug)]
@@ -37,6 +40,8 @@ pub(crate) struct Motion {
     /// `None` where no assessment can be made of what is assumed, which no scenario allows.
     impact: Option<ImpactMonitor>,
     contact: Option<Contact>,
+    /// Tick of the newest sample in contact.
+    touched_tick: i64,
     newest: Sensed,
     plan: Plan,
     settled_cycles: i64,
@@ -149,6 +154,7 @@ impl Motion {
             force_control: ForceControl::new(controller, selection),
             impact,
             contact: None,
+            touched_tick: 0,
             newest: Sensed {
                 sample,
                 r_from_ta1: hanging,
@@ -210,6 +216,7 @@ impl Motion {
             }
         }
         if self.contact.is_some() {
+            let touch = self.touch(settings, sample.tick);
             // Paper (12).
             let object = self.frame.coordinates(&r_from_ta1);
             let actual = self.frame.coordinates(&hanging);
@@ -218,7 +225,24 @@ impl Motion {
                 object: object[dof],
                 actual: actual[dof],
                 wrench: wrench[dof],
+                touch,
             });
+        }
+    }
+
+    /// Whether the newest sample, of `tick`, was taken in contact. Half of a small desired force is contact, too.
+    fn touch(&mut self, settings: &Settings, tick: i64) -> Touch {
+        let least_n = settings
+            .controller
+            .detection_threshold_n
+            .min(0.5 * settings.task.desired_force_n);
+        if self.newest.normal_force_n >= least_n {
+            self.touched_tick = tick;
+        }
+        match tick - self.touched_tick {
+            0 => Touch::Contact,
+            ..=LONGEST_BOUNCE_TICKS => Touch::Bounce,
+            _ => Touch::Lost,
         }
     }
 
