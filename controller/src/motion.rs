@@ -26,6 +26,8 @@ const LONGEST_BOUNCE_TICKS: i64 = 30;
 pub(crate) struct Motion {
     frame: TaskFrame,
     selection: Selection,
+    /// The sensor frame at the start.
+    r_from_s: Pose,
     posture: Posture,
     compliance: TcpCompliance,
     /// `C f_d`.
@@ -85,6 +87,10 @@ struct Plan {
     commanded: Dofs,
 }
 
+/// The least detection threshold, in standard deviations of the noise: whatever compliance is assumed, noise is no
+/// contact. Three false alarms in a million samples.
+const ABOVE_NOISE: f64 = 4.5;
+
 /// The free motion that has begun.
 #[derive(Clone, Copy, Debug)]
 struct Path {
@@ -107,8 +113,9 @@ struct Contact {
 }
 
 impl Motion {
-    /// At rest at the axes `start`, with the deflection `tare` there.
-    pub(crate) fn new(settings: &Settings, tare: &Deflection, start: &Axes) -> Self {
+    /// At rest at the axes `start`, with the deflection `tare` there, which shows a noise of `noise_m` (m rms) along the
+    /// normal.
+    pub(crate) fn new(settings: &Settings, tare: &Deflection, noise_m: f64, start: &Axes) -> Self {
         let (controller, task) = (&settings.controller, &settings.task);
         let r_from_s = settings.kinematics.forward(start);
         let posture = Posture::new(
@@ -131,11 +138,20 @@ impl Motion {
             flags: SampleFlags::default(),
             axes: *start,
         };
+        let compliance = tcp_compliance(&settings.compliance, &posture, &r_from_s, &selection);
+        let noise_n = noise_m / compliance.along(NORMAL);
+        // What the tool's inertia deflects looks like as much more force as the sensor is softer than assumed.
+        let softer = if controller.adaptation.enabled {
+            controller.adaptation.maximum_ratio
+        } else {
+            1.0
+        };
         Self {
             frame,
             selection,
+            r_from_s,
             posture,
-            compliance: tcp_compliance(&settings.compliance, &posture, &r_from_s, &selection),
+            compliance,
             desired_displacement: posture.desired_displacement(),
             path: None,
             dynamics: CommandDynamics::new(
@@ -147,8 +163,8 @@ impl Motion {
             ),
             disturbance: Disturbance::new(&controller.servo),
             detector: Detector::new(
-                controller.detection_threshold_n,
-                controller.apparent_mass_kg,
+                controller.detection_threshold_n.max(ABOVE_NOISE * noise_n),
+                controller.apparent_mass_kg * softer,
                 controller.detection_fading_s,
             ),
             force_control: ForceControl::new(controller, selection),
@@ -169,6 +185,14 @@ impl Motion {
             },
             settled_cycles: 0,
         }
+    }
+
+    /// Plan the contact anew with another `compliance` of the sensor; without bump if it changes as slowly as the
+    /// posture is taken.
+    pub(crate) fn plan(&mut self, settings: &Settings, compliance: &Compliance) {
+        self.posture.plan(compliance, &settings.desired);
+        self.compliance = tcp_compliance(compliance, &self.posture, &self.r_from_s, &self.selection);
+        self.desired_displacement = self.posture.desired_displacement();
     }
 
     /// Take one sample in a cycle at `tick`; a contact counts if the robot is `approaching`.

@@ -32,7 +32,7 @@ fn hash(overrides: &[&str]) -> String {
 /// a law changes these: say in the commit why.
 #[test]
 fn the_papers_experiment() {
-    let pinned: [(&[&str], &str); 5] = [
+    let pinned: [(&[&str], &str); 6] = [
         (&["controller.law=pd"], "ea0eebcbebb457056b2291abc21f051b"),
         (&["controller.law=proposed"], "a47808966bdcd7260113a7e938a337ab"),
         (&["controller.law=literal"], "071d1f634ea29b00251b70f9cec20022"),
@@ -43,6 +43,14 @@ fn the_papers_experiment() {
         (
             &["robot.kinematics=arm", "robot.gears=elastic"],
             "b08f842f3b190ed0ddd3c4695a99efda",
+        ),
+        (
+            &[
+                "sensor.wrench_measured=true",
+                "controller.adaptation.enabled=true",
+                "controller.compliance_rad_per_nm=5e-3",
+            ],
+            "232c6aa213fff3ec501cbf5ff12ba051",
         ),
     ];
     let found = pinned.map(|(overrides, _)| (overrides, hash(overrides)));
