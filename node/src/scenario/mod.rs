@@ -306,6 +306,9 @@ schema::section! {
         desired_force_n: f64 = 10.0, in 0.1..=1e5;
         /// Desired moment about the tcp's x, y and z, in r; where that degree of freedom is force controlled.
         desired_moment_nm: [f64; 3] = [0.0, 0.0, 0.0], in -1e4..=1e4;
+        /// Force that the impact may reach, on top of the controlled one, by the controller's assessment; a faster
+        /// approach is slowed. 0: no limit.
+        max_impact_force_n: f64 = 0.0, in 0.0..=1e6;
         /// How far a calibration tilts the tool about its tcp.
         calibration_tilt_rad: f64 = 0.3, in 0.1..=1.5;
         /// How long a calibration rests in each orientation; over the second half it measures.
@@ -342,7 +345,7 @@ impl ForceControlled {
 schema::section! {
     /// The control law and what it assumes of robot, sensor and tool.
     Controller at "controller" with pd: Pd, proposed: Proposed, impedance: Impedance, expected: Expected,
-        servo: AssumedServo, adaptation: Adaptation {
+        servo: AssumedServo, adaptation: Adaptation, impact: Impact {
         /// Control law.
         law: Law = Law::Proposed;
         /// Which actual pose is taken to belong to a deflection.
@@ -472,5 +475,24 @@ schema::section! {
         damping_nms_per_rad: f64 = 10.0, in 0.0..=1e7;
         /// Stiffness about an axis.
         stiffness_nm_per_rad: f64 = 0.0, in 0.0..=1e9;
+    }
+}
+
+schema::section! {
+    /// What the controller's assessment of the impact assumes, eqs. (13) to (18); what is, is in `[tool]` and `[object]`.
+    Impact at "controller.impact" {
+        /// Assumed mass of the tool.
+        tool_mass_kg: f64 = 4.0, in 1e-3..=1e4;
+        /// Assumed principal moments of inertia of the tool about its centre of mass, along the axes of s.
+        tool_inertia_kg_m2: [f64; 3] = [0.012, 0.016, 0.010], in 1e-7..=1e5;
+        /// Assumed centre of mass of the tool in s.
+        centre_of_mass_in_s_m: [f64; 3] = [0.03, 0.0, -0.06], in -5.0..=5.0;
+        /// Assumed indentation coefficient c_in (for exponent n: N/m^n).
+        indentation_n_per_m: f64 = 16e6, in 1e2..=1e12;
+        /// Assumed exponent n of the indentation.
+        exponent: f64 = 1.0, in 0.5..=2.0;
+        /// Assumed rebound coefficient over indentation coefficient, c_re / c_in; 1 where it is unknown, as in (18): an
+        /// elastic object, off which the tool bounces back faster than it came.
+        rebound_ratio: f64 = 4.0, in 1.0..=1e3;
     }
 }
