@@ -53,6 +53,19 @@ impl ToolSuspension {
         Wrench { force, moment }
     }
 
+    /// Whether the end stops, if there are any, are further away than the plate gets within `time` s at its present
+    /// speed against the link.
+    pub fn clear_of_stops(&self, link: &Motion, plate: &Motion, time: f64) -> bool {
+        if self.end_stop_n_per_m == 0.0 && self.end_stop_nm_per_rad == 0.0 {
+            return true;
+        }
+        let p = plate.pose.translation.vector - link.pose.translation.vector;
+        let phi = rotation::log(&(plate.pose.rotation * link.pose.rotation.inverse()));
+        let (p_rate, w_rel) = rates(link, plate, &p);
+        p.norm() + p_rate.norm() * time < self.end_stop_m
+            && phi.norm() + w_rel.norm() * time < self.end_stop_rad
+    }
+
     /// The elastic energy stored, J.
     pub fn energy(&self, link: &Motion, plate: &Motion) -> f64 {
         let lever: Vector3<f64> = plate.pose.translation.vector - link.pose.translation.vector;
