@@ -76,7 +76,7 @@ schema::section! {
         /// Integral time of the velocity loop.
         velocity_integral_time_s: f64 = 0.03, in 1e-3..=100.0;
         /// Step of the axes' integration, a whole fraction of 1 ms.
-        integration_step_s: f64 = 5e-4, in 1e-6..=1e-3;
+        integration_step_s: f64 = 1e-3, in 1e-6..=1e-3;
     }
 }
 

@@ -42,7 +42,7 @@ fn simulate(
     for _ in 0..steps {
         state = body.integrate(&state, [&now; 3], contacts, step).0;
         let force = contacts
-            .load(&state, &state.rotation.to_rotation_matrix(), &now.base)
+            .load(&state, &state.rotation.to_rotation_matrix(), &now.base, None)
             .force;
         see(&state, contacts.deepest(&state, &now.base).indentation_m, force.z);
         contacts.remember(&state, &now.base);
@@ -257,7 +257,7 @@ fn the_accelerations_of_the_plate_are_the_derivatives_of_its_velocities() {
         .map(|i| {
             let time = f64::from(i) * step;
             let instants = [at(time), at(time + 0.5 * step), at(time + step)];
-            let motion = body.plate_motion(&state, &instants[0], &contacts);
+            let motion = body.plate_motion(&state, &body.rates(&state, &instants[0], &contacts));
             state = body.integrate(&state, instants.each_ref(), &contacts, step).0;
             motion
         })
