@@ -133,7 +133,7 @@ fn the_integration_step_resolves_the_gears() {
                 "robot.gantry.gear_frequency_hz=[14, 14, 14, 20, 20, 500]"
             ]
         ),
-        "--set robot.gears=elastic: robot.integration_step_s is 0.0005 s, too long for gears that swing with up to \
+        "--set robot.gears=elastic: robot.integration_step_s is 0.001 s, too long for gears that swing with up to \
          500 Hz; choose at most 8.91268e-5 s, or softer gears"
     );
 }
