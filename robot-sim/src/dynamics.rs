@@ -112,13 +112,12 @@ impl Dynamics {
         [time, step]: [f64; 2],
     ) -> (State, f64) {
         let half = 0.5 * step;
-        let [at_start, at_middle, at_end] =
-            [time, time + half, time + step].map(|time| tool.extrapolate(time));
         let rate = |state: &State, tool: &Motion| self.rate(state, &self.posture(state), torque, tool);
-        let k1 = self.rate(state, posture, torque, &at_start);
-        let k2 = rate(&state.moved(&k1, half), &at_middle);
-        let k3 = rate(&state.moved(&k2, half), &at_middle);
-        let k4 = rate(&state.moved(&k3, step), &at_end);
+        let k1 = self.rate(state, posture, torque, &tool.extrapolate(time));
+        let tool_at_middle = tool.extrapolate(time + half);
+        let k2 = rate(&state.moved(&k1, half), &tool_at_middle);
+        let k3 = rate(&state.moved(&k2, half), &tool_at_middle);
+        let k4 = rate(&state.moved(&k3, step), &tool.extrapolate(time + step));
         let ends = k1.zip(
             &k2.zip(&k3, |a, b| (a + b) * 2.0, |a, b| (a + b) * 2.0),
             |a, b| a + b,

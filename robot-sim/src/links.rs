@@ -55,7 +55,6 @@ impl Links {
                     link: coupled.link,
                     jacobian: coupled.jacobian,
                     inertia: Inertia::Coupled {
-                        mass,
                         factor: Cholesky::new(mass),
                         bias: coupled.bias,
                     },
@@ -84,10 +83,9 @@ pub struct Posture {
 enum Inertia {
     /// Of each axis, kg m^2.
     Decoupled(Axes),
-    /// Mass matrix and the torque that keeps the velocities.
+    /// Mass matrix and the torque (Nm) that keeps the velocities.
     Coupled {
-        mass: Matrix6<f64>,
-        /// Positive definite, unless it is not a number.
+        /// Cholesky's factor of the mass matrix, which is positive definite, unless it is not a number.
         factor: Option<Cholesky<f64, Const<6>>>,
         bias: Axes,
     },
@@ -98,7 +96,7 @@ impl Posture {
     pub fn acceleration(&self, torque: &Axes) -> Axes {
         match &self.inertia {
             Inertia::Decoupled(inertia) => torque.component_div(inertia),
-            Inertia::Coupled { factor, bias, .. } => match factor {
+            Inertia::Coupled { factor, bias } => match factor {
                 Some(factor) => factor.solve(&(torque - bias)),
                 None => Axes::repeat(f64::NAN),
             },
@@ -109,7 +107,10 @@ impl Posture {
     pub fn kinetic_energy(&self, velocity: &Axes) -> f64 {
         match &self.inertia {
             Inertia::Decoupled(inertia) => 0.5 * inertia.dot(&velocity.component_mul(velocity)),
-            Inertia::Coupled { mass, .. } => 0.5 * velocity.dot(&(mass * velocity)),
+            // M = L L^T.
+            Inertia::Coupled { factor, .. } => factor.as_ref().map_or(f64::NAN, |factor| {
+                0.5 * factor.l().tr_mul(velocity).norm_squared()
+            }),
         }
     }
 

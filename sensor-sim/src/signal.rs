@@ -99,7 +99,8 @@ impl SignalChain {
         let end = components(end);
         let straight = || std::array::from_fn(|i| 0.5 * (self.felt[i] + end[i]));
         let middle: [f64; 12] = middle.map_or_else(straight, components);
-        for i in 0..12 {
+        let signals = if self.wrench_measured { 12 } else { 6 };
+        for i in 0..signals {
             self.filtered[i] = weights.keep * self.filtered[i]
                 + weights.before * self.felt[i]
                 + weights.middle * middle[i]
@@ -111,10 +112,10 @@ impl SignalChain {
     /// Take the sample of `tick` and return the eight newest that have come through the delay, newest first.
     pub fn sample(&mut self, tick: i64) -> [DeflectionSample; DEFLECTION_SAMPLES] {
         let length = self.ring.len();
-        let slot = |tick: i64| tick.rem_euclid(length as i64) as usize;
+        let slot = tick.rem_euclid(length as i64) as usize;
         // Measured even if it is lost: the stream of random numbers goes on.
         let measured = self.measure(tick);
-        self.ring[slot(tick)] = if self.dropout.contains(&tick) {
+        self.ring[slot] = if self.dropout.contains(&tick) {
             DeflectionSample::default()
         } else {
             measured
@@ -125,7 +126,8 @@ impl SignalChain {
             let sample = if wanted < 0 {
                 DeflectionSample::default()
             } else {
-                self.ring[slot(wanted)]
+                let before = self.delay_ticks + age;
+                self.ring[(slot + length - before) % length]
             };
             DeflectionSample {
                 utime: wanted * TICK_US,

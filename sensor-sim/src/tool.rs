@@ -228,10 +228,9 @@ impl Body {
 
 impl Rates {
     /// As the rates of change of a change (see [`State::changed`]) whose rotation vector is `turn`, rad:
-    /// `w = J(v) v'`, to second order in v.
+    /// `w = J(v) v'`.
     pub(crate) fn of_change(&self, angular_velocity: &Vector3<f64>, turn: &Vector3<f64>) -> Vector {
-        let across = turn.cross(angular_velocity);
-        let turning = angular_velocity - across * 0.5 + turn.cross(&across) * (1.0 / 12.0);
+        let turning = rotation::rate_of_change(*turn, *angular_velocity);
         let mut vector = Vector::zeros();
         vector.fixed_rows_mut::<3>(0).copy_from(&self.velocity);
         vector.fixed_rows_mut::<3>(3).copy_from(&turning);
