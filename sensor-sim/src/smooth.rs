@@ -10,7 +10,7 @@ use spatial::{kinematics::join, rotation::skew};
 
 /// How far the tool turns before the linear system is taken anew, rad. What the explicit part of the method has to
 /// bear of the contact's stiffness is about that share of it.
-const TURN_RAD: f64 = 1e-3;
+const TURN_RAD: f64 = 2e-3;
 
 /// Linear systems that are remembered. A point that touches needs three: off, loading, rebound.
 const REMEMBERED: usize = 3;
