@@ -1,21 +1,47 @@
-//! What a law sees of a contact, and what it is to reach.
+//! What a law sees of a contact along one degree of freedom, and what it is to reach.
 
-/// One sample of the sensor in contact, paired with the pose at its instant. Heights along the normal, m.
+use spatial::ports::HORIZON;
+
+/// How many of the coming set-points' instants a law looks ahead to: those of a command, and two more, from which
+/// the last ones' velocity and acceleration follow.
+pub const PREVIEW: usize = HORIZON + 2;
+
+/// One sample of the sensor in contact, paired with the pose at its instant. Coordinates in m or rad, wrench in N or
+/// Nm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactSample {
+    /// When it was true, s.
+    pub time_s: f64,
     /// Where the deflected tcp is: the object, (12).
-    pub object_m: f64,
+    pub object: f64,
     /// Where the tcp would be without contact: the virtual pose x_a of Fig. 3.
-    pub actual_m: f64,
-    /// Contact force, N; positive when the environment pushes the tool back.
-    pub force_n: f64,
+    pub actual: f64,
+    /// Contact force or moment; positive when the environment pushes the tool back.
+    pub wrench: f64,
 }
 
-/// What a law is to reach, and with what sensor.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What a law is to reach.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Aim {
-    /// f_d, N.
-    pub desired_force_n: f64,
-    /// Assumed compliance C of the tcp along the normal, m/N.
-    pub compliance_m_per_n: f64,
+    /// f_d, N or Nm.
+    pub wrench: f64,
+    /// The tcp's displacement under all of the desired wrench, `C f_d`, m or rad.
+    pub displacement: f64,
+    /// Compliance C along this degree of freedom alone, m/N or rad/Nm.
+    pub compliance: f64,
+}
+
+/// Where the tcp was sent last, and when the coming set-points act.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Situation {
+    /// The set-point last given, m or rad.
+    pub commanded: f64,
+    /// The desired coordinate last given, m or rad: where the robot will be when the next set-point begins to act.
+    pub desired: f64,
+    /// Its rate, m/s or rad/s.
+    pub desired_rate: f64,
+    /// When the robot reaches the coming set-points, s; T apart.
+    pub reached_s: [f64; PREVIEW],
+    /// T, s.
+    pub period_s: f64,
 }

@@ -1,38 +1,39 @@
-//! The laws along the contact's normal behind one interface.
+//! The force laws behind one interface, for one degree of freedom each.
 
-use crate::command_dynamics::CommandDynamics;
-use crate::contact::{Aim, ContactSample};
+use crate::contact::{Aim, ContactSample, PREVIEW, Situation};
+use crate::dofs::{Dofs, Selection};
+use crate::impedance::Impedance;
 use crate::literal::Literal;
 use crate::object_model::ObjectModel;
 use crate::pd::Pd;
 use node::scenario;
-use spatial::ports::{HORIZON, Law};
+use spatial::ports::Law;
 
-/// A law that moves the tool along the contact's normal, from the first contact on. Chosen in the configuration.
+/// A law that moves the tcp along one degree of freedom, from the first contact on. Chosen in the configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum NormalLaw {
+pub enum DofLaw {
     /// Eq. (1).
     Pd(Pd),
     /// Eq. (2) at each sample.
     Literal(Literal),
     /// Eqs. (2), (12) as an object model.
     Proposed(ObjectModel),
+    /// The object model, approached as a mass with damper and spring.
+    Impedance(Impedance),
 }
 
-impl NormalLaw {
-    /// The configured law. A law that does not exist yet is refused with the configuration and never comes here.
-    pub fn new(controller: &scenario::Controller, aim: Aim) -> Self {
+impl DofLaw {
+    /// The configured law for the degree of freedom `dof`. A law that does not exist yet is refused with the
+    /// configuration and never comes here.
+    pub fn new(controller: &scenario::Controller, dof: usize) -> Self {
+        let object = || ObjectModel::new(&controller.proposed);
         match controller.law {
-            Law::Literal => Self::Literal(Literal::new(aim)),
-            Law::Proposed => Self::Proposed(ObjectModel::new(&controller.proposed, aim)),
-            _ => Self::Pd(Pd::new(&controller.pd, aim)),
+            Law::Literal => Self::Literal(Literal::default()),
+            Law::Proposed => Self::Proposed(object()),
+            Law::Impedance => Self::Impedance(Impedance::new(&controller.impedance, dof, object())),
+            Law::PdReset => Self::Pd(Pd::new(&controller.pd, dof, true)),
+            _ => Self::Pd(Pd::new(&controller.pd, dof, false)),
         }
-    }
-
-    /// Whether set-points are led by the inverse of the command dynamics (the feed-forward of Fig. 2), already in
-    /// the approach; otherwise the robot lags behind its commands.
-    pub fn feeds_forward(&self) -> bool {
-        matches!(self, Self::Proposed(_))
     }
 
     /// Take one sample in contact, in the order of sampling.
@@ -41,24 +42,81 @@ impl NormalLaw {
             Self::Pd(law) => law.take(sample),
             Self::Literal(law) => law.take(sample),
             Self::Proposed(law) => law.take(sample),
+            Self::Impedance(law) => law.take(sample),
         }
     }
 
-    /// The heights (m) for the next set-points, T apart; the first one takes effect where `dynamics` stands.
-    pub fn set_points(&mut self, dynamics: &CommandDynamics) -> [f64; HORIZON] {
+    /// The coordinates (m or rad) for the coming instants, T apart.
+    pub fn demand(&mut self, aim: &Aim, situation: &Situation) -> [f64; PREVIEW] {
         match self {
-            Self::Pd(law) => [law.set_point(dynamics.setpoint()); HORIZON],
-            Self::Literal(law) => [law.set_point(dynamics.setpoint()); HORIZON],
-            Self::Proposed(law) => law.set_points(dynamics),
+            Self::Pd(law) => [law.set_point(aim, situation.commanded); PREVIEW],
+            Self::Literal(law) => [law.set_point(aim, situation.commanded); PREVIEW],
+            Self::Proposed(law) => law.desired(aim, situation),
+            Self::Impedance(law) => law.desired(aim, situation),
         }
     }
 
-    /// The height of the object's surface as the law knows it, m.
-    pub fn object_height_m(&self) -> Option<f64> {
+    /// The object's coordinate (m or rad) and its rate, as the law knows them.
+    pub fn object(&self) -> Option<(f64, f64)> {
         match self {
-            Self::Proposed(law) => law.height_m(),
-            Self::Literal(law) => law.object_height_m(),
-            Self::Pd(law) => law.object_height_m(),
+            Self::Pd(law) => law.object(),
+            Self::Literal(law) => law.object(),
+            Self::Proposed(law) => law.object(),
+            Self::Impedance(law) => law.object(),
         }
+    }
+}
+
+/// Whether the law says where the robot is to be, which the feed-forward of Fig. 2 turns into set-points, already in
+/// the approach; otherwise its word is the set-point, and the robot lags behind.
+pub fn feeds_forward(law: Law) -> bool {
+    matches!(law, Law::Proposed | Law::Impedance)
+}
+
+/// The law for each force controlled degree of freedom.
+#[derive(Clone, Debug)]
+pub struct ForceControl {
+    selection: Selection,
+    laws: [DofLaw; 6],
+}
+
+impl ForceControl {
+    /// The configured law along the degrees of freedom of `selection`.
+    pub fn new(controller: &scenario::Controller, selection: Selection) -> Self {
+        Self {
+            selection,
+            laws: std::array::from_fn(|dof| DofLaw::new(controller, dof)),
+        }
+    }
+
+    /// Take one sample in contact, a value for each degree of freedom.
+    pub fn take(&mut self, sample: impl Fn(usize) -> ContactSample) {
+        for dof in self.selection.iter() {
+            self.laws[dof].take(&sample(dof));
+        }
+    }
+
+    /// The coordinates for the coming instants, T apart; zero where no law acts.
+    pub fn demand(
+        &mut self,
+        aim: impl Fn(usize) -> Aim,
+        situation: impl Fn(usize) -> Situation,
+    ) -> [Dofs; PREVIEW] {
+        let mut demand = [Dofs::zeros(); PREVIEW];
+        for dof in self.selection.iter() {
+            let coordinates = self.laws[dof].demand(&aim(dof), &situation(dof));
+            for (all, coordinate) in demand.iter_mut().zip(coordinates) {
+                all[dof] = coordinate;
+            }
+        }
+        demand
+    }
+
+    /// The object's coordinate (m or rad) along `dof` and its rate, if the law there knows them.
+    pub fn object(&self, dof: usize) -> Option<(f64, f64)> {
+        self.selection
+            .contains(dof)
+            .then(|| self.laws[dof].object())
+            .flatten()
     }
 }

@@ -1,27 +1,36 @@
 //! The outer loop of the paper's Fig. 2: from encoder and sensor values to the commanded pose.
 //!
-//! Pure: a [`Controller`] takes the robot's state and the sensor's samples of a cycle and answers with a command
+//! Pure: a [`Controller`] takes the robot's state and the sensors' samples of a cycle and answers with a command
 //! and its status. It sees only what a real one would. The only home of eqs. (1)-(12); each file is one idea:
 //!
 //! | Idea | File | Paper |
 //! |---|---|---|
 //! | actual pose and deflection at the same instant | [`pairing`] | below (2) |
+//! | object seen from a distance | [`object_sensor`] | |
 //! | contact or not | [`detection`] | V |
 //! | between sensor and tcp | [`transform`] | (3)-(12) |
+//! | force controlled or not, per degree of freedom | [`dofs`] | III |
 //! | the laws behind one interface | [`law`] | |
 //! | standard law | [`pd`] | (1) |
 //! | task description, sample by sample | [`literal`] | (2) |
-//! | object measured once, then refined | [`object_model`] | (2), (12) |
+//! | object measured once, then refined and extrapolated | [`object_model`], [`fading_memory`] | (2), (12) |
+//! | impedance as the task | [`impedance`] | II |
 //! | feed-forward of the position control | [`command_dynamics`] | Fig. 2, II-B |
+//! | desired force as a disturbance of the position control | [`disturbance`] | II-B |
 //! | posture that keeps the tool's orientation | [`posture`] | (9)-(11), Fig. 5 |
 
 pub mod approach;
 pub mod command_dynamics;
 pub mod contact;
 pub mod detection;
+pub mod disturbance;
+pub mod dofs;
+pub mod fading_memory;
+pub mod impedance;
 pub mod law;
 pub mod literal;
 pub mod object_model;
+pub mod object_sensor;
 pub mod pairing;
 pub mod pd;
 pub mod posture;
@@ -31,15 +40,17 @@ pub mod transform;
 mod motion;
 mod status;
 
-use motion::Motion;
+use motion::{Motion, Sample};
 use nalgebra::Vector3;
 use node::scenario::{self, Pairing, Scenario, SensorOutput};
+use object_sensor::ObjectSensor;
 use pairing::EncoderHistory;
 use spatial::kinematics::{Axes, Kinematics};
 use spatial::ports::{
-    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, HORIZON, RobotState,
+    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, HORIZON, ObjectPose,
+    RobotState,
 };
-use spatial::{Compliance, Deflection, TICK_S, Wrench};
+use spatial::{Compliance, Deflection, TICK_S, TICK_US, Wrench};
 use std::f64::consts::TAU;
 use tare::Tare;
 
@@ -60,6 +71,7 @@ pub struct Controller {
     fault: Fault,
     encoders: EncoderHistory,
     newest_sample_utime: i64,
+    object_sensor: ObjectSensor,
     tare: Tare,
     start: Axes,
     /// The set-point that the axes are to reach next.
@@ -109,13 +121,14 @@ impl Controller {
                 d: controller.tcp_in_s_m.into(),
                 desired: Wrench {
                     force: Vector3::new(0.0, 0.0, scenario.task.desired_force_n),
-                    moment: Vector3::zeros(),
+                    moment: scenario.task.desired_moment_nm.into(),
                 },
             },
             phase: ControllerPhase::Init,
             fault: Fault::None,
             encoders: EncoderHistory::default(),
             newest_sample_utime: i64::MIN,
+            object_sensor: ObjectSensor::default(),
             tare: Tare::default(),
             start: Axes::zeros(),
             commanded: Axes::zeros(),
@@ -124,12 +137,21 @@ impl Controller {
         }
     }
 
-    /// One cycle at the tick of `state`: the command that answers it, and the status.
+    /// One cycle at the tick of `state`: the command that answers it, and the status. `object` is the non-contact
+    /// sensor's pose of the object, where one is published at that tick.
     ///
-    /// Both messages have been checked by whoever received them.
-    pub fn cycle(&mut self, state: &RobotState, deflections: &Deflections) -> Outputs {
+    /// All messages have been checked by whoever received them.
+    pub fn cycle(
+        &mut self,
+        state: &RobotState,
+        deflections: &Deflections,
+        object: Option<&ObjectPose>,
+    ) -> Outputs {
         let tick = state.stamp.step;
         self.encoders.update(state);
+        if let Some(pose) = object {
+            self.object_sensor.update(pose);
+        }
         if self.phase == ControllerPhase::Init {
             self.start = state.axis_position[0];
             self.commanded = self.start;
@@ -161,13 +183,20 @@ impl Controller {
     /// One sample of the sensor, paired with the axes at its instant.
     fn take(&mut self, sample: &DeflectionSample, tick: i64) {
         let deflection = self.deflection_of(sample);
-        let axes = self.axes_at(sample);
+        let (axes, time_s) = self.paired_with(sample, tick);
         let Some(motion) = &mut self.motion else {
             self.tare.add(&deflection);
             return;
         };
         let approaching = self.phase == ControllerPhase::Approach;
-        motion.take(&self.settings, sample, &deflection, &axes, approaching, tick);
+        let sample = Sample {
+            time_s,
+            tick: sample.utime / TICK_US,
+            deflection,
+            flags: sample.flags,
+            axes,
+        };
+        motion.take(&self.settings, &sample, approaching, tick);
     }
 
     /// The deflection that a sample stands for. Paper (3), (4): a sensor that outputs forces is turned back into
@@ -179,15 +208,16 @@ impl Controller {
         }
     }
 
-    /// The axes that belong to a sample: those at its instant, less what the sensor's low pass delays.
-    fn axes_at(&self, sample: &DeflectionSample) -> Axes {
+    /// The axes that belong to a sample, and when (s): those at its instant, less what the sensor's low pass delays.
+    fn paired_with(&self, sample: &DeflectionSample, tick: i64) -> (Axes, f64) {
         match self.settings.controller.pairing {
             Pairing::Sampling => {
                 // The low pass shows the deflection of 1 / (2 pi f) ago.
                 let lag_us = 1e6 / (TAU * self.settings.controller.sensor_bandwidth_hz);
-                self.encoders.at(sample.utime as f64 - lag_us)
+                let utime = sample.utime as f64 - lag_us;
+                (self.encoders.at(utime), 1e-6 * utime)
             }
-            Pairing::Arrival => self.encoders.newest(),
+            Pairing::Arrival => (self.encoders.newest(), tick as f64 * TICK_S),
         }
     }
 
@@ -239,7 +269,7 @@ impl Controller {
         if self.fault == Fault::Unreachable {
             return held;
         }
-        let Ok((set_points, bound)) = motion.set_points(&self.settings, tick, actual, &self.commanded) else {
+        let Ok((set_points, bound)) = motion.set_points(&self.settings, tick, actual) else {
             self.phase = ControllerPhase::Fault;
             self.fault = Fault::Unreachable;
             return held;

@@ -5,7 +5,7 @@ mod shell;
 use clap::Parser;
 use std::process::ExitCode;
 
-/// Force controller. It answers each ROBOT_STATE, once the deflection of the same tick is there, with a command,
+/// Force controller. It answers each ROBOT_STATE, once what the sensors say at the same tick is there, with a command,
 /// until SIGTERM, SIGINT or SIGHUP.
 #[derive(Parser)]
 #[command(version)]

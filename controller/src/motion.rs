@@ -1,39 +1,77 @@
-//! The task once the tare is known: approach, contact, and the way from heights to axes.
+//! The task once the tare is known: approach, contact, and the way from the tcp's coordinates to axes.
 
 use crate::Settings;
 use crate::approach::{Approach, PathPoint, spread};
 use crate::command_dynamics::CommandDynamics;
-use crate::contact::{Aim, ContactSample};
+use crate::contact::{Aim, ContactSample, PREVIEW, Situation};
 use crate::detection::Detector;
-use crate::law::NormalLaw;
+use crate::disturbance::Disturbance;
+use crate::dofs::{Dofs, NORMAL, Selection, TaskFrame, TcpCompliance, displacement};
+use crate::law::{ForceControl, feeds_forward};
 use crate::posture::Posture;
-use crate::transform::compliance_along;
 use nalgebra::Vector3;
-use spatial::kinematics::{Axes, Unreachable};
-use spatial::ports::{DeflectionSample, HORIZON};
-use spatial::{Deflection, Pose, TICK_S, TICK_US};
+use spatial::kinematics::{Axes, Unreachable, join};
+use spatial::ports::{HORIZON, SampleFlags};
+use spatial::{Compliance, Deflection, Pose, TICK_S};
+use std::f64::consts::TAU;
 
 /// Everything that exists only once the tare is known.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
+    frame: TaskFrame,
+    selection: Selection,
     posture: Posture,
-    /// Compliance of the tcp along the contact's normal, m/N.
-    compliance_m_per_n: f64,
-    /// Height of the hanging tcp at the start, m.
-    start_height_m: f64,
+    compliance: TcpCompliance,
+    /// `C f_d`.
+    desired_displacement: Dofs,
     path: Approach,
     /// Tick at which the approach began.
     start_tick: Option<i64>,
     dynamics: CommandDynamics,
+    /// Where the servos have yielded to when the next set-point begins to act.
+    disturbance: Disturbance,
     detector: Detector,
-    law: NormalLaw,
+    force_control: ForceControl,
     contact: Option<Contact>,
-    newest: ContactSample,
-    deflection: Deflection,
-    saturated: bool,
-    /// Axes at the instant of the newest sample.
-    axes: Axes,
+    newest: Sensed,
+    plan: Plan,
     settled_cycles: i64,
+}
+
+/// One sample of the sensor, paired with the axes at its instant.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample {
+    /// When it was true, s.
+    pub(crate) time_s: f64,
+    /// The tick at which it was taken.
+    pub(crate) tick: i64,
+    /// At s.
+    pub(crate) deflection: Deflection,
+    pub(crate) flags: SampleFlags,
+    pub(crate) axes: Axes,
+}
+
+/// What the newest sample says.
+#[derive(Clone, Copy, Debug)]
+struct Sensed {
+    sample: Sample,
+    /// `r_from_ta1`: where the deflected tcp is.
+    r_from_ta1: Pose,
+    /// Force along the normal if it is the only one, N.
+    normal_force_n: f64,
+    /// Wrench along the selected degrees of freedom, N and Nm.
+    wrench: Dofs,
+}
+
+/// What a cycle has decided about the coming instants, T apart.
+#[derive(Clone, Copy, Debug)]
+struct Plan {
+    /// Coordinates of the hanging tcp.
+    coordinates: [Dofs; PREVIEW],
+    /// The axes there.
+    axes: [Axes; PREVIEW],
+    /// The coordinates of the set-point given.
+    commanded: Dofs,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -47,85 +85,96 @@ struct Contact {
 impl Motion {
     /// At rest at the axes `start`, with the deflection `tare` there.
     pub(crate) fn new(settings: &Settings, tare: &Deflection, start: &Axes) -> Self {
+        let (controller, task) = (&settings.controller, &settings.task);
         let r_from_s = settings.kinematics.forward(start);
         let posture = Posture::new(
+            controller.transform,
             &settings.compliance,
             settings.d,
             *tare,
             &r_from_s,
             &settings.desired,
         );
-        let start_height_m = posture.hanging_tcp(&r_from_s).translation.vector.z;
-        let (controller, task) = (&settings.controller, &settings.task);
-        let length = start_height_m - (task.expected_height_m - task.search_depth_m);
-        let compliance_m_per_n = compliance_along(&settings.compliance, posture.lever(), Vector3::z());
-        let aim = Aim {
-            desired_force_n: task.desired_force_n,
-            compliance_m_per_n,
+        let hanging = posture.hanging_tcp(&r_from_s);
+        let frame = TaskFrame::new(hanging.rotation);
+        let coordinates = frame.coordinates(&hanging);
+        let length = coordinates[NORMAL] - (task.expected_height_m - task.search_depth_m);
+        let selection = Selection::new(&task.force_controlled);
+        let sample = Sample {
+            time_s: 0.0,
+            tick: 0,
+            deflection: *tare,
+            flags: SampleFlags::default(),
+            axes: *start,
         };
         Self {
+            frame,
+            selection,
             posture,
-            compliance_m_per_n,
-            start_height_m,
+            compliance: tcp_compliance(&settings.compliance, &posture, &r_from_s, &selection),
+            desired_displacement: posture.desired_displacement(),
             path: Approach::new(length, task.approach_speed_m_per_s),
             start_tick: None,
             dynamics: CommandDynamics::new(
                 controller.filter_frequency_hz,
                 controller.filter_damping,
-                controller.acceleration_limit_rad_per_s2[2],
+                controller.acceleration_limit_rad_per_s2.into(),
                 settings.period_ticks,
-                start_height_m,
+                *start,
             ),
+            disturbance: Disturbance::new(&controller.servo),
             detector: Detector::new(
                 controller.detection_threshold_n,
                 controller.apparent_mass_kg,
                 controller.detection_fading_s,
             ),
-            law: NormalLaw::new(controller, aim),
+            force_control: ForceControl::new(controller, selection),
             contact: None,
-            newest: ContactSample::default(),
-            deflection: *tare,
-            saturated: false,
-            axes: *start,
+            newest: Sensed {
+                sample,
+                r_from_ta1: hanging,
+                normal_force_n: 0.0,
+                wrench: Dofs::zeros(),
+            },
+            plan: Plan {
+                coordinates: [coordinates; PREVIEW],
+                axes: [*start; PREVIEW],
+                commanded: coordinates,
+            },
             settled_cycles: 0,
         }
     }
 
-    /// Take one sample: the `deflection` that it stands for, at `axes`.
-    pub(crate) fn take(
-        &mut self,
-        settings: &Settings,
-        sample: &DeflectionSample,
-        deflection: &Deflection,
-        axes: &Axes,
-        approaching: bool,
-        tick: i64,
-    ) {
-        self.axes = *axes;
-        self.deflection = *deflection;
-        self.saturated = sample.flags.saturated;
-        let r_from_s = settings.kinematics.forward(axes);
-        let object_m = self
-            .posture
-            .deflected_tcp(&r_from_s, deflection)
-            .translation
-            .vector
-            .z;
-        let actual_m = self.posture.hanging_tcp(&r_from_s).translation.vector.z;
-        let force_n = (object_m - actual_m) / self.compliance_m_per_n;
-        self.newest = ContactSample {
-            object_m,
-            actual_m,
-            force_n,
+    /// Take one sample in a cycle at `tick`; a contact counts if the robot is `approaching`.
+    pub(crate) fn take(&mut self, settings: &Settings, sample: &Sample, approaching: bool, tick: i64) {
+        let r_from_s = settings.kinematics.forward(&sample.axes);
+        let r_from_ta1 = self.posture.deflected_tcp(&r_from_s, &sample.deflection);
+        let hanging = self.posture.hanging_tcp(&r_from_s);
+        let displaced = displacement(&hanging, &r_from_ta1);
+        let wrench = self.compliance.wrench(&displaced);
+        let normal_force_n = displaced[NORMAL] / self.compliance.along(NORMAL);
+        self.newest = Sensed {
+            sample: *sample,
+            r_from_ta1,
+            normal_force_n,
+            wrench,
         };
-        if approaching && self.contact.is_none() && force_n > self.detector.threshold_n() {
+        if approaching && self.contact.is_none() && normal_force_n > self.detector.threshold_n() {
             self.contact = Some(Contact {
-                sample_tick: sample.utime / TICK_US,
+                sample_tick: sample.tick,
                 cycle_tick: tick,
             });
         }
         if self.contact.is_some() {
-            self.law.take(&self.newest);
+            // Paper (12).
+            let object = self.frame.coordinates(&r_from_ta1);
+            let actual = self.frame.coordinates(&hanging);
+            self.force_control.take(|dof| ContactSample {
+                time_s: sample.time_s,
+                object: object[dof],
+                actual: actual[dof],
+                wrench: wrench[dof],
+            });
         }
     }
 
@@ -145,79 +194,184 @@ impl Motion {
         self.settled_cycles
     }
 
-    /// The next set-points of the axes, one period apart, each on the branch of its predecessor (the first one
-    /// `near` the set-point before), and whether the bound of command minus actual binds.
+    /// The next set-points of the axes, one period apart, and whether the bound of command minus actual binds.
     pub(crate) fn set_points(
         &mut self,
         settings: &Settings,
         tick: i64,
         actual: &Axes,
-        near: &Axes,
     ) -> Result<([Axes; HORIZON], bool), Unreachable> {
-        let kinematics = &settings.kinematics;
-        let actual_m = self
-            .posture
-            .hanging_tcp(&kinematics.forward(actual))
-            .translation
-            .vector
-            .z;
-        let bound = settings.controller.max_lead_m;
         // The first set-point is reached n_d + 1 periods from now.
-        let reached = |i: usize| tick + (settings.lead() + i as i64) * settings.period_ticks;
-        let wanted = match self.contact {
-            Some(_) => self.law.set_points(&self.dynamics),
-            None => std::array::from_fn(|i| self.approach_height(settings, reached(i))),
-        };
-        let heights = wanted.map(|height| height.clamp(actual_m - bound, actual_m + bound));
-        self.dynamics.advance(heights[0]);
-        self.detector.follow(
-            self.path_point(settings, reached(0)).acceleration,
-            settings.period_ticks,
-        );
-        let mut axes = [*near; HORIZON];
-        let mut near = *near;
-        for (i, slot) in axes.iter_mut().enumerate() {
-            let tilt = self.tilt(settings, reached(i));
-            near = kinematics.inverse(&self.posture.sensor_pose(heights[i], tilt), &near)?;
-            *slot = near;
+        let reached: [i64; PREVIEW] =
+            std::array::from_fn(|i| tick + (settings.lead() + i as i64) * settings.period_ticks);
+        let leads = feeds_forward(settings.controller.law);
+        let mut coordinates = reached.map(|tick| self.reference(settings, tick, leads));
+        if self.contact.is_some() {
+            for (all, demand) in coordinates.iter_mut().zip(self.demand(settings, &reached)) {
+                *all = self.selection.merge(&demand, all);
+            }
         }
-        Ok((axes, heights[0] != wanted[0]))
-    }
-
-    /// The set-point of the approach that is reached at `tick`; with the feed-forward the robot is on the path
-    /// then, without it, it lags behind.
-    fn approach_height(&self, settings: &Settings, tick: i64) -> f64 {
-        let point = self.path_point(settings, tick);
-        if self.law.feeds_forward() {
-            self.start_height_m
-                - self
-                    .dynamics
-                    .inverse(point.distance, point.speed, point.acceleration)
+        let axes = self.inverse(settings, &coordinates)?;
+        let mut set_points = if leads {
+            let proposed = &settings.controller.proposed;
+            let mut led = axes;
+            if proposed.disturbance_feed_forward && self.contact.is_some() {
+                for (axes, deviation) in led.iter_mut().zip(self.deviations(settings, &axes[0])) {
+                    *axes -= deviation;
+                }
+            }
+            self.dynamics.follow(&led, TAU * proposed.reference_bandwidth_hz)
         } else {
-            self.start_height_m - point.distance
-        }
+            std::array::from_fn(|i| axes[i])
+        };
+        let bound = self.bound(settings, actual, &mut set_points);
+        self.dynamics.advance(&set_points[0]);
+        let acceleration = self.path_point(settings, reached[0]).acceleration;
+        self.detector.follow(acceleration, settings.period_ticks);
+        let commanded = if bound {
+            let r_from_s = settings.kinematics.forward(&set_points[0]);
+            self.frame.coordinates(&self.posture.hanging_tcp(&r_from_s))
+        } else {
+            coordinates[0]
+        };
+        self.plan = Plan {
+            coordinates,
+            axes,
+            commanded,
+        };
+        Ok((set_points, bound))
     }
 
-    /// The point of the approach whose set-point is reached at `tick`.
+    /// Where the hanging tcp is to be at `tick` as far as no force law moves it: on the path, and in the posture that
+    /// keeps the tool's reference. What leads the robot is led here if the law is not fed forward.
+    fn reference(&self, settings: &Settings, tick: i64, fed_forward: bool) -> Dofs {
+        let tilt = self.contact.map_or(PathPoint::default(), |contact| {
+            let time = since(settings, contact.cycle_tick, tick);
+            spread(time, settings.controller.tilt_time_s)
+        });
+        let share = if fed_forward {
+            tilt.distance
+        } else {
+            self.dynamics
+                .inverse(tilt.distance, tilt.speed, tilt.acceleration)
+        };
+        let mut coordinates = self
+            .frame
+            .coordinates(&self.posture.reference(Vector3::zeros(), share));
+        coordinates[NORMAL] -= self.path_point(settings, tick).distance;
+        coordinates
+    }
+
+    /// What the force laws ask for at the ticks `reached`.
+    fn demand(&mut self, settings: &Settings, reached: &[i64; PREVIEW]) -> [Dofs; PREVIEW] {
+        let Plan {
+            coordinates,
+            commanded,
+            ..
+        } = self.plan;
+        let period_s = settings.period_ticks as f64 * TICK_S;
+        let desired_wrench = join(settings.desired.force, settings.desired.moment);
+        let (compliance, displacement) = (self.compliance, self.desired_displacement);
+        self.force_control.demand(
+            |dof| Aim {
+                wrench: desired_wrench[dof],
+                displacement: displacement[dof],
+                compliance: compliance.along(dof),
+            },
+            |dof| Situation {
+                commanded: commanded[dof],
+                desired: coordinates[0][dof],
+                desired_rate: (coordinates[1][dof] - coordinates[0][dof]) / period_s,
+                reached_s: reached.map(|tick| tick as f64 * TICK_S),
+                period_s,
+            },
+        )
+    }
+
+    /// How far the servos at `axes` will have yielded to the desired wrench at the coming instants; the first of them is
+    /// kept for the next cycle.
+    fn deviations(&mut self, settings: &Settings, axes: &Axes) -> [Axes; PREVIEW] {
+        let r_from_s = settings.kinematics.forward(axes);
+        let lever = self.posture.hanging_tcp(&r_from_s).translation.vector - r_from_s.translation.vector;
+        let desired = &settings.desired;
+        let at_s = join(desired.force, desired.moment + lever.cross(&desired.force));
+        let torque = settings.kinematics.jacobian(axes).tr_mul(&at_s);
+        let mut disturbance = self.disturbance;
+        std::array::from_fn(|i| {
+            for _ in 0..settings.period_ticks {
+                disturbance.advance(&torque);
+            }
+            if i == 0 {
+                self.disturbance = disturbance;
+            }
+            *disturbance.deviation()
+        })
+    }
+
+    /// The axes at `coordinates`, each on the branch of its predecessor. What was planned before for the same place, a
+    /// period later in the plan, is not computed again.
+    fn inverse(
+        &self,
+        settings: &Settings,
+        coordinates: &[Dofs; PREVIEW],
+    ) -> Result<[Axes; PREVIEW], Unreachable> {
+        let mut known = (self.plan.coordinates[0], self.plan.axes[0]);
+        let mut axes = [known.1; PREVIEW];
+        for (i, (wanted, slot)) in coordinates.iter().zip(&mut axes).enumerate() {
+            let planned = self.plan.coordinates.get(i + 1).zip(self.plan.axes.get(i + 1));
+            known = match planned {
+                _ if known.0 == *wanted => known,
+                Some((coordinates, axes)) if coordinates == wanted => (*wanted, *axes),
+                _ => {
+                    let pose = self.posture.sensor_pose(&self.frame.pose(wanted));
+                    (*wanted, settings.kinematics.inverse(&pose, &known.1)?)
+                }
+            };
+            *slot = known.1;
+        }
+        Ok(axes)
+    }
+
+    /// Bounds the way from the `actual` tcp to where set-points send it; whether that changes the first one.
+    fn bound(&self, settings: &Settings, actual: &Axes, set_points: &mut [Axes; HORIZON]) -> bool {
+        let tcp = |axes: &Axes| {
+            let r_from_s = settings.kinematics.forward(axes);
+            self.posture.hanging_tcp(&r_from_s).translation.vector
+        };
+        let (from, most) = (tcp(actual), settings.controller.max_lead_m);
+        let mut binds = [false; HORIZON];
+        for (set_point, binds) in set_points.iter_mut().zip(&mut binds) {
+            let lead = (tcp(set_point) - from).norm();
+            if lead > most {
+                *set_point = actual + (*set_point - actual) * (most / lead);
+                *binds = true;
+            }
+        }
+        binds[0]
+    }
+
+    /// The point of the approach where the robot is to be at `tick`.
     fn path_point(&self, settings: &Settings, tick: i64) -> PathPoint {
         match (self.start_tick, self.contact) {
             (Some(start), None) => self.path.at(since(settings, start, tick)),
             _ => PathPoint::default(),
         }
     }
+}
 
-    /// The share of the posture that is taken at `tick`, spread over the tilt time from the contact on.
-    fn tilt(&self, settings: &Settings, tick: i64) -> f64 {
-        let Some(contact) = self.contact else {
-            return 0.0;
-        };
-        let share = spread(
-            since(settings, contact.cycle_tick, tick),
-            settings.controller.tilt_time_s,
-        );
-        self.dynamics
-            .inverse(share.distance, share.speed, share.acceleration)
-    }
+/// The compliance of a tcp that hangs as in `posture`, in r.
+fn tcp_compliance(
+    compliance: &Compliance,
+    posture: &Posture,
+    r_from_s: &Pose,
+    selection: &Selection,
+) -> TcpCompliance {
+    let rotation = r_from_s.rotation.to_rotation_matrix().into_inner();
+    let in_r = Compliance {
+        translation: rotation * compliance.translation * rotation.transpose(),
+        rotation: rotation * compliance.rotation * rotation.transpose(),
+    };
+    TcpCompliance::new(&in_r, posture.lever(), selection)
 }
 
 /// Time (s) at `tick` since the first set-point of the cycle at `start` is reached.
@@ -228,18 +382,26 @@ fn since(settings: &Settings, start: i64, tick: i64) -> f64 {
 /// What the status tells.
 impl Motion {
     /// `r_from_ta1`: the deflected tcp at the newest sample.
-    pub(crate) fn tcp_pose(&self, settings: &Settings) -> Pose {
-        self.posture
-            .deflected_tcp(&settings.kinematics.forward(&self.axes), &self.deflection)
+    pub(crate) fn tcp_pose(&self) -> &Pose {
+        &self.newest.r_from_ta1
     }
 
     pub(crate) fn deflection(&self) -> &Deflection {
-        &self.deflection
+        &self.newest.sample.deflection
     }
 
-    /// Contact force along the normal at the newest sample, N.
+    /// Contact force along the normal at the newest sample as contact detection sees it, N.
+    pub(crate) fn normal_force_n(&self) -> f64 {
+        self.newest.normal_force_n
+    }
+
+    /// Contact force along the normal at the newest sample, N, with the moments that are controlled accounted for.
     pub(crate) fn force_n(&self) -> f64 {
-        self.newest.force_n
+        if self.contact.is_some() && self.selection.contains(NORMAL) {
+            self.newest.wrench[NORMAL]
+        } else {
+            self.newest.normal_force_n
+        }
     }
 
     pub(crate) fn threshold_n(&self) -> f64 {
@@ -247,7 +409,7 @@ impl Motion {
     }
 
     pub(crate) fn saturated(&self) -> bool {
-        self.saturated
+        self.newest.sample.flags.saturated
     }
 
     pub(crate) fn in_contact(&self) -> bool {
@@ -259,7 +421,18 @@ impl Motion {
         self.contact.map(|contact| contact.sample_tick)
     }
 
-    pub(crate) fn object_height_m(&self) -> Option<f64> {
-        self.law.object_height_m()
+    /// `r_from_o` with the tcp's pose where no law knows the object, and its velocity, m/s; `None` before a contact.
+    pub(crate) fn object(&self) -> Option<(Pose, Vector3<f64>)> {
+        let known = |dof| self.force_control.object(dof);
+        self.selection.iter().find_map(known)?;
+        let mut coordinates = self.frame.coordinates(&self.newest.r_from_ta1);
+        let mut velocity = Vector3::zeros();
+        for (dof, (position, rate)) in (0..6).filter_map(|dof| Some((dof, known(dof)?))) {
+            coordinates[dof] = position;
+            if dof < 3 {
+                velocity[dof] = rate;
+            }
+        }
+        Some((self.frame.pose(&coordinates), velocity))
     }
 }

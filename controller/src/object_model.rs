@@ -1,65 +1,59 @@
 //! The object as the sensor sees it: eqs. (2) and (12) as a model that is measured once and then refined.
 
-use crate::command_dynamics::CommandDynamics;
-use crate::contact::{Aim, ContactSample};
-use node::scenario;
-use spatial::ports::HORIZON;
-use std::f64::consts::TAU;
+use crate::contact::{Aim, ContactSample, PREVIEW, Situation};
+use crate::fading_memory::FadingMemory;
+use node::scenario::{self, ObjectMotion};
 
-/// The proposed law: the height of the object's surface along the contact's normal, and the way to where the
-/// desired force results.
+/// The proposed law: the object's coordinate along one degree of freedom, and from there to where the desired force
+/// results.
 ///
-/// Paper II-B, below (2): the desired pose can be computed "from the measurements of a single time step with
-/// contact". So the first sample in contact is taken fully; later ones only correct it, weighted low, because
-/// the object stands still and what changes is noise, bounces and vibration.
+/// Paper II-B, below (2): one time step in contact is enough to know the desired pose. So the first sample in contact
+/// is taken fully; later ones only correct it, weighted low, because what changes is noise, bounces and vibration.
+/// An object that moves is extrapolated to the instants at which the robot will be there: the prediction of the
+/// desired trajectory that the paper's abstract speaks of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObjectModel {
-    gain: f64,
-    /// Bandwidth of the reference model, rad/s.
-    bandwidth: f64,
-    aim: Aim,
-    height_m: Option<f64>,
+    object: FadingMemory,
 }
 
 impl ObjectModel {
     /// No object known.
-    pub fn new(parameters: &scenario::Proposed, aim: Aim) -> Self {
+    pub fn new(parameters: &scenario::Proposed) -> Self {
+        let degree = match parameters.object_motion {
+            ObjectMotion::Fixed => 0,
+            ObjectMotion::Steady => 1,
+            ObjectMotion::Accelerated => 2,
+        };
         Self {
-            gain: parameters.object_filter_gain,
-            bandwidth: TAU * parameters.reference_bandwidth_hz,
-            aim,
-            height_m: None,
+            object: FadingMemory::new(
+                degree,
+                parameters.object_filter_gain,
+                parameters.settled_filter_gain,
+            ),
         }
     }
 
     /// Take one sample of (12) in contact.
     pub fn take(&mut self, sample: &ContactSample) {
-        self.height_m = Some(match self.height_m {
-            None => sample.object_m,
-            Some(height) => height + self.gain * (sample.object_m - height),
-        });
+        self.object.take(sample.time_s, sample.object);
     }
 
-    /// Height of the object, m; `None` before the first contact.
-    pub fn height_m(&self) -> Option<f64> {
-        self.height_m
+    /// The object's coordinate and its rate; `None` before the first contact.
+    pub fn object(&self) -> Option<(f64, f64)> {
+        self.object.newest()
     }
 
-    /// Paper (2): the height at which the hanging tcp has to be, `x_d = x_o - C f_d` along the normal, with
-    /// `x_o = x_a + C f` measured before.
-    pub fn desired_height_m(&self) -> Option<f64> {
-        self.height_m
-            .map(|height| height - self.aim.compliance_m_per_n * self.aim.desired_force_n)
+    /// Where the object is at `time_s`; `None` before the first contact.
+    pub fn at(&self, time_s: f64) -> Option<f64> {
+        self.object.at(time_s).map(|(position, _)| position)
     }
 
-    /// The next set-points on the way to the desired height, along the reference model.
-    pub fn set_points(&self, dynamics: &CommandDynamics) -> [f64; HORIZON] {
-        let mut ahead = *dynamics;
-        let target = self.desired_height_m().unwrap_or(dynamics.setpoint());
-        std::array::from_fn(|_| {
-            let setpoint = ahead.towards(target, self.bandwidth);
-            ahead.advance(setpoint);
-            setpoint
+    /// Paper (2), (11): where the hanging tcp has to be, `x_d = x_o - C f_d` with `x_o = x_a + C f` measured before,
+    /// at the coming instants.
+    pub fn desired(&self, aim: &Aim, situation: &Situation) -> [f64; PREVIEW] {
+        situation.reached_s.map(|time_s| {
+            self.at(time_s)
+                .map_or(situation.desired, |object| object - aim.displacement)
         })
     }
 }
@@ -68,30 +62,61 @@ impl ObjectModel {
 mod tests {
     use super::*;
 
+    const AIM: Aim = Aim {
+        wrench: 10.0,
+        displacement: 280e-6,
+        compliance: 28e-6,
+    };
+
+    fn met(time_s: f64, object: f64) -> ContactSample {
+        ContactSample {
+            time_s,
+            object,
+            ..Default::default()
+        }
+    }
+
+    fn situation() -> Situation {
+        Situation {
+            commanded: 0.5,
+            desired: 0.4,
+            desired_rate: 0.0,
+            reached_s: std::array::from_fn(|i| 1.0 + 4e-3 * i as f64),
+            period_s: 4e-3,
+        }
+    }
+
     #[test]
     fn the_first_sample_counts_fully_and_later_ones_correct() {
-        let parameters = scenario::Proposed {
+        let mut object = ObjectModel::new(&scenario::Proposed {
             object_filter_gain: 0.1,
             ..Default::default()
-        };
-        let mut object = ObjectModel::new(
-            &parameters,
-            Aim {
-                desired_force_n: 10.0,
-                compliance_m_per_n: 28e-6,
-            },
-        );
-        assert_eq!(object.desired_height_m(), None);
-        object.take(&ContactSample {
-            object_m: 0.010,
+        });
+        assert_eq!(object.desired(&AIM, &situation()), [0.4; PREVIEW]);
+        object.take(&met(0.5, 0.010));
+        assert_eq!(object.object(), Some((0.010, 0.0)));
+        object.take(&met(0.501, 0.011));
+        assert!((object.object().unwrap().0 - 0.0101).abs() < 1e-15);
+        for desired in object.desired(&AIM, &situation()) {
+            assert!((desired - (0.0101 - 280e-6)).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn a_moving_object_is_met_where_it_will_be() {
+        let mut object = ObjectModel::new(&scenario::Proposed {
+            object_filter_gain: 0.1,
+            settled_filter_gain: 0.1,
+            object_motion: ObjectMotion::Steady,
             ..Default::default()
         });
-        assert_eq!(object.height_m(), Some(0.010));
-        object.take(&ContactSample {
-            object_m: 0.011,
-            ..Default::default()
-        });
-        assert!((object.height_m().unwrap() - 0.0101).abs() < 1e-15);
-        assert!((object.desired_height_m().unwrap() - (0.0101 - 280e-6)).abs() < 1e-15);
+        for n in 0..500 {
+            let time = f64::from(n) * 1e-3;
+            object.take(&met(time, 0.02 * time));
+        }
+        let desired = object.desired(&AIM, &situation());
+        for (desired, time) in desired.into_iter().zip(situation().reached_s) {
+            assert!((desired - (0.02 * time - 280e-6)).abs() < 1e-12);
+        }
     }
 }

@@ -14,6 +14,8 @@ const LENGTH: usize = 256;
 #[derive(Clone, Debug)]
 pub struct EncoderHistory {
     ring: [Axes; LENGTH],
+    /// Where the newest reading is.
+    head: usize,
     /// Sampling instant of the newest reading, us; `None`: none yet.
     newest_utime: Option<i64>,
     /// How many are known.
@@ -24,6 +26,7 @@ impl Default for EncoderHistory {
     fn default() -> Self {
         Self {
             ring: [Axes::zeros(); LENGTH],
+            head: 0,
             newest_utime: None,
             count: 0,
         }
@@ -57,7 +60,7 @@ impl EncoderHistory {
 
     /// The newest axes, whenever they were read: what a controller without time stamps would use.
     pub fn newest(&self) -> Axes {
-        self.ring[0]
+        self.aged(0)
     }
 
     fn push(&mut self, utime: i64, axes: Axes) {
@@ -68,18 +71,18 @@ impl EncoderHistory {
         if missing <= 0 {
             return;
         }
-        let last = if self.count == 0 { axes } else { self.ring[0] };
+        let last = if self.count == 0 { axes } else { self.aged(0) };
         let shift = usize::try_from(missing).unwrap_or(LENGTH).min(LENGTH);
-        self.ring.rotate_right(shift);
-        for (age, slot) in self.ring[..shift].iter_mut().enumerate() {
-            *slot = axes + (last - axes) * (age as f64 / missing as f64);
+        for age in (0..shift).rev() {
+            self.head = (self.head + 1) % LENGTH;
+            self.ring[self.head] = axes + (last - axes) * (age as f64 / missing as f64);
         }
         self.count = (self.count + shift).min(LENGTH);
         self.newest_utime = Some(utime);
     }
 
     fn aged(&self, age: usize) -> Axes {
-        self.ring[age]
+        self.ring[(self.head + LENGTH - age) % LENGTH]
     }
 }
 

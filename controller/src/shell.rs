@@ -1,15 +1,19 @@
-//! Lockstep over LCM: the controller answers `ROBOT_STATE` of tick n, once `SENSOR_DEFLECTION` of n is there, with
-//! `ROBOT_COMMAND` and `CONTROLLER_STATUS` of n, and a repeated state with the same bytes.
+//! Lockstep over LCM: the controller answers `ROBOT_STATE` of tick n, once `SENSOR_DEFLECTION` and, where it is due,
+//! `OBJECT_POSE` of n are there, with `ROBOT_COMMAND` and `CONTROLLER_STATUS` of n, and a repeated state with the
+//! same bytes.
+
+mod inputs;
 
 use controller::Controller;
 use crossbeam::select;
+use inputs::Inputs;
 use lcmtypes::{Encoded, Lcm, Received};
 use node::clock;
 use node::lockstep::{Answer, Follower};
 use node::problem::Problem;
 use node::shell::{Flags, Shell};
 use spatial::TICK_US;
-use spatial::ports::{Deflections, NodeStatus, RobotState, Role, Stamp};
+use spatial::ports::{Deflections, NodeStatus, ObjectPose, RobotState, Role, Stamp};
 
 /// Run the node until a signal ends it.
 pub(crate) fn run(flags: &Flags) -> anyhow::Result<()> {
@@ -17,6 +21,7 @@ pub(crate) fn run(flags: &Flags) -> anyhow::Result<()> {
     let mut device = flags.device_link()?;
     let states = device.subscribe::<RobotState>(16);
     let deflections = device.subscribe::<Deflections>(16);
+    let object_poses = device.subscribe::<ObjectPose>(16);
     let peers = device.subscribe::<NodeStatus>(16);
     let device = device.start()?;
     let timing = &shell.scenario.timing;
@@ -27,8 +32,7 @@ pub(crate) fn run(flags: &Flags) -> anyhow::Result<()> {
         ),
         sensor_boot_id: Stamp::lockstep(0, timing.seed, Role::Sensor).boot_id,
         controller: Controller::new(&shell.scenario),
-        state: None,
-        deflections: None,
+        inputs: Inputs::new(&shell.scenario.object_sensor),
         answers: [const { None }; 2],
     };
     loop {
@@ -39,6 +43,10 @@ pub(crate) fn run(flags: &Flags) -> anyhow::Result<()> {
             },
             recv(deflections.receiver()) -> received => match received {
                 Ok(Received { message, .. }) => node.take_deflections(&mut shell, &device, message),
+                Err(_) => break shell.report(&Problem::LinkEnded),
+            },
+            recv(object_poses.receiver()) -> received => match received {
+                Ok(Received { message, .. }) => node.take_object_pose(&mut shell, &device, message),
                 Err(_) => break shell.report(&Problem::LinkEnded),
             },
             recv(peers.receiver()) -> received => match received {
@@ -59,10 +67,7 @@ struct Node {
     follower: Follower,
     sensor_boot_id: i64,
     controller: Controller,
-    /// The state to be answered, waiting for its deflection.
-    state: Option<RobotState>,
-    /// The newest deflection.
-    deflections: Option<Deflections>,
+    inputs: Inputs,
     /// What was answered to the last state.
     answers: [Option<Encoded>; 2],
 }
@@ -72,12 +77,12 @@ impl Node {
         if !shell.works() || !state.stamp.is_lockstep() {
             return;
         }
-        // A state that waits for its deflection is already counted as the last one: a repeat of it is no answer.
-        let waiting = self.state.is_some();
+        // A state that waits for the sensor is already counted as the last one: a repeat of it is no answer.
+        let waiting = self.inputs.state.is_some();
         let expected = self.follower.expected_stamp();
         match self.follower.classify(state.stamp.step, state.stamp.boot_id) {
             Answer::Compute => {
-                self.state = Some(state);
+                self.inputs.state = Some(state);
                 self.cycle(shell, device);
             }
             Answer::Repeat if !waiting => {
@@ -99,44 +104,63 @@ impl Node {
     fn take_deflections(&mut self, shell: &mut Shell, device: &Lcm, deflections: Deflections) {
         // A sample of the future would blind the controller to all that come before it.
         let now = deflections.stamp.step * TICK_US;
-        if !shell.works() || deflections.samples.iter().any(|sample| sample.utime > now) {
+        if deflections.samples.iter().any(|sample| sample.utime > now) {
             return;
+        }
+        let known = self.inputs.deflections.map(|known| known.stamp);
+        if self.is_news(shell, deflections.stamp, known) {
+            self.inputs.deflections = Some(deflections);
+            self.cycle(shell, device);
+        }
+    }
+
+    fn take_object_pose(&mut self, shell: &mut Shell, device: &Lcm, pose: ObjectPose) {
+        // One that is not due, or from the future, would hide those that are.
+        let Stamp { step, utime, .. } = pose.stamp;
+        if !shell.scenario.object_sensor.due(step) || utime > step * TICK_US {
+            return;
+        }
+        let known = self.inputs.object_pose.map(|known| known.stamp);
+        if self.is_news(shell, pose.stamp, known) {
+            self.inputs.object_pose = Some(pose);
+            self.cycle(shell, device);
+        }
+    }
+
+    /// Whether a message of the sensor is newer than the `known` one; one that can't be breaks the lockstep.
+    fn is_news(&self, shell: &mut Shell, found: Stamp, known: Option<Stamp>) -> bool {
+        if !shell.works() {
+            return false;
         }
         // The robot waits for the command of this tick, so that no sensor can be ahead of it; between two states
         // it is less than a period ahead.
-        let found = deflections.stamp;
         let expected = Stamp {
             boot_id: self.sensor_boot_id,
             ..self.follower.expected_stamp()
         };
         if found.boot_id != expected.boot_id || found.step > expected.step {
-            return shell.report(&Problem::Broken {
+            shell.report(&Problem::Broken {
                 peer: Role::Sensor,
                 expected,
                 found,
             });
+            return false;
         }
-        if self.deflections.is_none_or(|known| found.step > known.stamp.step) {
-            self.deflections = Some(deflections);
-            self.cycle(shell, device);
-        }
+        known.is_none_or(|known| found.step > known.step)
     }
 
-    /// One cycle, once state and deflection of the same tick are there.
+    /// One cycle, once all that it needs is there.
     fn cycle(&mut self, shell: &mut Shell, device: &Lcm) {
-        let (Some(state), Some(deflections)) = (&self.state, &self.deflections) else {
+        let Some((state, deflections, object_pose)) = self.inputs.complete() else {
             return;
         };
-        if deflections.stamp.step != state.stamp.step {
-            return;
-        }
-        let started = clock::now();
-        let outputs = self.controller.cycle(state, deflections);
+        let (tick, started) = (state.stamp.step, clock::now());
+        let outputs = self.controller.cycle(state, deflections, object_pose);
         self.answers = [
             shell.publish(device, &outputs.command),
             shell.publish(device, &outputs.status),
         ];
-        shell.health.reach(state.stamp.step, clock::now() - started);
-        self.state = None;
+        shell.health.reach(tick, clock::now() - started);
+        self.inputs.state = None;
     }
 }

@@ -61,9 +61,9 @@ impl Controller {
         let Some(motion) = &self.motion else {
             return status;
         };
-        status.tcp_pose = motion.tcp_pose(settings);
+        status.tcp_pose = *motion.tcp_pose();
         status.wrench = self.contact_wrench(motion.deflection());
-        status.detection.statistic_n = motion.force_n();
+        status.detection.statistic_n = motion.normal_force_n();
         status.detection.threshold_n = motion.threshold_n();
         status.force_error_n = motion.force_n() - settings.task.desired_force_n;
         if motion.saturated() {
@@ -72,10 +72,10 @@ impl Controller {
         if let Some(contact_tick) = motion.contact_tick() {
             status.detection.contact_step = contact_tick;
         }
-        if let Some(height) = motion.object_height_m() {
+        if let Some((pose, velocity)) = motion.object() {
             status.object_known = true;
-            status.object_pose = status.tcp_pose;
-            status.object_pose.translation.vector.z = height;
+            status.object_pose = pose;
+            status.object_velocity = velocity;
         }
         status
     }

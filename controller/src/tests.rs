@@ -71,7 +71,7 @@ fn what_the_arm_cannot_reach_is_a_fault_and_it_holds() {
     let kinematics = scenario.robot.kinematics();
     let mut fault_tick = None;
     for tick in (0..8000).step_by(4) {
-        let outputs = controller.cycle(&state(tick, axes), &undeflected(tick));
+        let outputs = controller.cycle(&state(tick, axes), &undeflected(tick), None);
         let [next, .., last] = outputs.command.axis_position;
         assert!(
             (next - axes).amax() < 0.1,

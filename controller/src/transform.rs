@@ -3,8 +3,8 @@
 //! `d` is the vector from the sensor to the tcp in s (m); s and t are parallel. (3) and (4) are
 //! [`Compliance`]` * `[`Wrench`].
 //!
-//! The laws take (5), (6), (11) and [`compliance_along`] from here; where the twist (7)-(10) would be 0.8 % off,
-//! [`crate::posture`] composes the deflections exactly. The twist stands here as the paper has it.
+//! The equations as the paper has them. [`crate::posture`] composes them: as they stand
+//! (`controller.transform = "twist"`), or with (7)-(10), which are 0.8 % off, in exact form (`"exact"`).
 
 use nalgebra::Vector3;
 use spatial::{Compliance, Deflection, Pose, Wrench};
@@ -51,16 +51,6 @@ pub fn object_pose(r_from_ta: &Pose, ta_from_ta1: &Pose) -> Pose {
 /// deflection, `r_from_td = r_from_o * td_from_td1^-1`.
 pub fn desired_pose(r_from_o: &Pose, td_from_td1: &Pose) -> Pose {
     r_from_o * td_from_td1.inverse()
-}
-
-/// Compliance (m/N) of the tcp along the unit vector `normal` under a pure force there, from (9):
-/// `n . (C_p n - d x (C_phi (d x n)))`.
-pub fn compliance_along(compliance: &Compliance, d: Vector3<f64>, normal: Vector3<f64>) -> f64 {
-    let unit = Wrench {
-        force: normal,
-        moment: Vector3::zeros(),
-    };
-    normal.dot(&desired_deflection(compliance, &unit, d).translation)
 }
 
 #[cfg(test)]
@@ -138,7 +128,5 @@ mod tests {
         assert!((at_s.rotation.y - -2.493e-3).abs() < 0.001e-3);
         let at_t = desired_deflection(&sensor(), &wrench, d);
         assert!((at_t.translation - Vector3::new(374.0e-6, 0.0, 282.7e-6)).norm() < 0.1e-6);
-        let along = compliance_along(&sensor(), d, Vector3::z());
-        assert!((along - 28.267e-6).abs() < 0.001e-6, "{along}");
     }
 }

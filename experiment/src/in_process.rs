@@ -31,7 +31,8 @@ pub fn run(scenario: &Scenario, mut observe: impl FnMut(&Tick)) {
         let link_motion = robot.link_motion();
         let robot_state = robot.command_due().then(|| robot.state());
         let sensed = sensor.advance(&link_motion);
-        let answer = robot_state.map(|state| controller.cycle(&state, &sensed.deflections));
+        let answer = robot_state
+            .map(|state| controller.cycle(&state, &sensed.deflections, sensed.object_pose.as_ref()));
         observe(&Tick {
             link_motion,
             robot_state,
@@ -76,7 +77,8 @@ pub fn replay(part: Part, scenario: &Scenario, ticks: &[Tick]) {
             let mut controller = Controller::new(scenario);
             for tick in ticks {
                 if let Some(state) = &tick.robot_state {
-                    black_box(controller.cycle(state, &tick.sensor.deflections));
+                    let sensed = &tick.sensor;
+                    black_box(controller.cycle(state, &sensed.deflections, sensed.object_pose.as_ref()));
                 }
             }
         }

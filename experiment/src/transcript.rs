@@ -32,6 +32,9 @@ pub fn in_process(scenario: &Scenario) -> Result<Vec<Entry>, Invalid> {
         keep(tick.sensor.tool_motion.encode());
         keep(tick.sensor.truth.encode());
         keep(tick.sensor.deflections.encode());
+        if let Some(pose) = &tick.sensor.object_pose {
+            keep(pose.encode());
+        }
         if let Some(state) = &tick.robot_state {
             keep(state.encode());
         }

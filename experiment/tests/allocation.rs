@@ -25,7 +25,10 @@ fn allocated(scenario: &Scenario) -> ([AllocationInfo; 3], bool) {
         let (link, state) = said.unwrap();
         sums[1] += measure(|| sensed = Some(sensor.advance(&link)));
         let sensed = sensed.unwrap();
-        sums[2] += measure(|| answer = state.map(|state| controller.cycle(&state, &sensed.deflections)));
+        sums[2] += measure(|| {
+            answer = state
+                .map(|state| controller.cycle(&state, &sensed.deflections, sensed.object_pose.as_ref()));
+        });
         let command = answer.as_ref().map(|answer| &answer.command);
         sums[0] += measure(|| robot.advance(&sensed.tool_motion, command));
         touched |= sensed.truth.first_contact_time_s > 0.0;

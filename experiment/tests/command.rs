@@ -25,7 +25,7 @@ fn what_does_not_exist_is_refused_by_name() {
     for (arguments, error) in [
         (
             "compare --laws pd,fzi",
-            "controller.law = \"fzi\" is not available yet; choose \"pd\" or \"proposed\"",
+            "controller.law = \"fzi\" is not available yet; choose \"pd\" or ",
         ),
         ("compare --laws pid", "controller.law is the unknown word \"pid\""),
         (

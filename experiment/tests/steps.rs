@@ -19,7 +19,6 @@ fn with_steps(scenario: &Scenario, link: &[LinkMotion], steps: [f64; 2]) -> (Met
     let mut peak = 0.0_f64;
     for link in link {
         let truth = sensor.advance(link).truth;
-        if std::env::var_os("DUMP").is_some() { println!("DUMP {:e} {} {:e} {:e} {:e}", steps[1], truth.stamp.step, truth.contact_force_peak_n, truth.indentation_m, truth.contact_work_j);}
         peak = peak.max(truth.contact_force_peak_n);
         recording.push(&truth);
     }

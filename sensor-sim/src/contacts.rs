@@ -6,6 +6,7 @@ use crate::swing::{self, Course};
 use crate::tool::{Rates, State};
 use nalgebra::{Rotation3, Vector3};
 use node::scenario::{self, ToolShape};
+use spatial::Pose;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Points on each ring of a peg.
@@ -274,8 +275,8 @@ impl Contacts {
         base.velocity - self.object.normal() * state.surface.rate
     }
 
-    /// Height of the object's origin in r, m, where its surface has yielded to.
-    pub fn height_m(&self, state: &State, base: &Base) -> f64 {
-        base.position.z - self.object.normal().z * state.surface.depth
+    /// `r_from_o`: where the object is with its surface, which has yielded.
+    pub fn object_pose(&self, state: &State, base: &Base) -> Pose {
+        self.object.pose(base, &state.surface)
     }
 }

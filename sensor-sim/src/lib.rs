@@ -1,14 +1,16 @@
 //! Where robot meets object (Fig. 3): the compliant sensor, the tool that hangs on it, and the contact.
 //!
 //! Pure: a [`SensorSim`] takes the motion of the robot's last link tick by tick and answers with the motion of the
-//! tool plate, the sensor's samples and the truth. It integrates real dynamics with exact rotations; the paper's
+//! tool plate, the samples of the sensors and the truth. It integrates real dynamics with exact rotations; the paper's
 //! equations live in the controller alone, so that a sign error can't cancel itself.
 
 pub mod contact;
 pub mod contacts;
 pub mod exponential;
 mod integration;
+pub mod noise;
 pub mod object;
+pub mod object_sensor;
 pub mod signal;
 pub mod smooth;
 pub mod swing;
@@ -19,9 +21,12 @@ use nalgebra::Vector3;
 use node::scenario::Scenario;
 use object::Base;
 use integration::Steps;
+use object_sensor::ObjectSensor;
 use signal::{Reading, SignalChain};
 use smooth::Smooth;
-use spatial::ports::{Authenticity, ClockEcho, Deflections, LinkMotion, Role, Stamp, ToolMotion, Truth};
+use spatial::ports::{
+    Authenticity, ClockEcho, Deflections, LinkMotion, ObjectPose, Role, Stamp, ToolMotion, Truth,
+};
 use spatial::{Deflection, Motion, Pose, TICK_S, Wrench};
 use tool::{Body, Instant, Rates, State, Work};
 
@@ -32,6 +37,8 @@ pub struct Outputs {
     pub tool_motion: ToolMotion,
     /// What the controller gets to see.
     pub deflections: Deflections,
+    /// The non-contact sensor's, at the ticks at which it publishes.
+    pub object_pose: Option<ObjectPose>,
     /// What only analysis gets to see.
     pub truth: Truth,
 }
@@ -53,6 +60,7 @@ pub struct SensorSim {
     indentation_m: f64,
     chain: SignalChain,
     wrench_measured: bool,
+    object_sensor: Option<ObjectSensor>,
     work: Work,
     contact_force_peak_n: f64,
     first_contact: Option<FirstContact>,
@@ -89,6 +97,10 @@ impl SensorSim {
             contacts,
             chain,
             wrench_measured: sensor.wrench_measured,
+            object_sensor: scenario
+                .object_sensor
+                .enabled
+                .then(|| ObjectSensor::new(&scenario.object_sensor, seed)),
             work: Work::default(),
             contact_force_peak_n: 0.0,
             first_contact: None,
@@ -132,8 +144,16 @@ impl SensorSim {
                 echo: ClockEcho::default(),
                 authenticity: Authenticity::default(),
             },
+            object_pose: self.object_pose(stamp),
             truth: self.truth(stamp),
         }
+    }
+
+    fn object_pose(&mut self, stamp: Stamp) -> Option<ObjectPose> {
+        let sensor = self.object_sensor.as_mut()?;
+        let r_from_o = self.contacts.object_pose(&self.state, &self.now.base);
+        let (r_from_t, _) = self.body.tcp_motion(&self.state);
+        sensor.sample(stamp, &r_from_o, &r_from_t.translation.vector)
     }
 
     fn truth(&self, stamp: Stamp) -> Truth {
@@ -150,7 +170,7 @@ impl SensorSim {
             contact_force_peak_n: self.contact_force_peak_n,
             indentation_m: deepest.indentation_m,
             remaining_indentation_m: deepest.remaining_m,
-            object_height_m: self.contacts.height_m(&self.state, base),
+            object_height_m: self.contacts.object_pose(&self.state, base).translation.z,
             first_contact_speed_m_per_s: self.first_contact.map_or(0.0, |c| c.speed_m_per_s),
             first_contact_time_s: self.first_contact.map_or(-1.0, |c| c.time_s),
             kinetic_energy_j: self.body.kinetic_energy(&self.state),

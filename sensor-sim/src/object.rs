@@ -7,14 +7,16 @@ pub use movement::Base;
 
 use hole::Hole;
 use movement::Movement;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 use node::scenario;
-use spatial::rotation;
+use spatial::{Pose, rotation};
 
 /// A plane, possibly with a hole, that moves as prescribed and yields along its normal if it is held elastically.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {
     movement: Movement,
+    orientation: UnitQuaternion<f64>,
+    /// The same as a matrix.
     r_from_o: Matrix3<f64>,
     hole: Option<Hole>,
     friction: f64,
@@ -45,10 +47,11 @@ pub struct Yielding {
 impl Object {
     /// The object of a scenario.
     pub fn new(object: &scenario::Object) -> Self {
-        let turn = rotation::exp(object.rotation_rad.into());
+        let orientation = rotation::exp(object.rotation_rad.into());
         Self {
             movement: Movement::new(object),
-            r_from_o: turn.to_rotation_matrix().into_inner(),
+            orientation,
+            r_from_o: orientation.to_rotation_matrix().into_inner(),
             hole: Hole::new(object),
             friction: object.friction,
             friction_speed: object.friction_speed_m_per_s,
@@ -64,6 +67,12 @@ impl Object {
     /// Where the object is at `time`, s after the start, its surface unloaded.
     pub fn base(&self, time: f64) -> Base {
         self.movement.at(time)
+    }
+
+    /// `r_from_o` while its surface has yielded: the origin lies in the surface and goes with it.
+    pub fn pose(&self, base: &Base, yielding: &Yielding) -> Pose {
+        let position = base.position - self.normal() * yielding.depth;
+        Pose::from_parts(position.into(), self.orientation)
     }
 
     /// Whether a contact that rebounds is no more than another linear spring.

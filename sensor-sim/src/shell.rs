@@ -1,5 +1,5 @@
-//! Lockstep over LCM: the sensor answers `SIM_LINK_MOTION` of tick n with `SIM_TOOL_MOTION`, `SIM_TRUTH` and
-//! `SENSOR_DEFLECTION` of n, and a repeated tick with the same bytes.
+//! Lockstep over LCM: the sensor answers `SIM_LINK_MOTION` of tick n with `SIM_TOOL_MOTION`, `SIM_TRUTH`,
+//! `SENSOR_DEFLECTION` and, where it is due, `OBJECT_POSE` of n, and a repeated tick with the same bytes.
 
 use crossbeam::select;
 use lcmtypes::{Encoded, Lcm, Received};
@@ -23,7 +23,7 @@ pub(crate) fn run(flags: &Flags) -> anyhow::Result<()> {
             Stamp::lockstep(0, shell.scenario.timing.seed, Role::Robot).boot_id,
         ),
         simulation: None,
-        answers: [const { None }; 3],
+        answers: [const { None }; 4],
     };
     loop {
         select! {
@@ -48,8 +48,8 @@ pub(crate) fn run(flags: &Flags) -> anyhow::Result<()> {
 struct Sensor {
     follower: Follower,
     simulation: Option<SensorSim>,
-    /// What was answered to the last tick: device channel first.
-    answers: [Option<Encoded>; 3],
+    /// What was answered to the last tick: the two device channels first.
+    answers: [Option<Encoded>; 4],
 }
 
 impl Sensor {
@@ -68,13 +68,14 @@ impl Sensor {
                 let outputs = simulation.advance(link);
                 self.answers = [
                     shell.publish(device, &outputs.deflections),
+                    outputs.object_pose.and_then(|pose| shell.publish(device, &pose)),
                     shell.publish(world, &outputs.tool_motion),
                     shell.publish(world, &outputs.truth),
                 ];
                 shell.health.reach(link.stamp.step, clock::now() - started);
             }
             Answer::Repeat => {
-                for (encoded, link) in self.answers.iter().zip([device, world, world]) {
+                for (encoded, link) in self.answers.iter().zip([device, device, world, world]) {
                     if let Some(encoded) = encoded {
                         shell.repeat(link, encoded);
                     }

@@ -1,8 +1,7 @@
 //! The sensor's signal chain: low pass, noise, quantisation, range, delay. What the controller gets to see.
 
+use crate::noise::Noise;
 use node::scenario;
-use rand_core::{Rng, SeedableRng};
-use rand_pcg::Pcg64;
 use spatial::ports::{DEFLECTION_SAMPLES, DeflectionSample, SampleFlags};
 use spatial::{Deflection, TICK_S, TICK_US, Wrench};
 use std::ops::Range;
@@ -37,7 +36,7 @@ pub struct SignalChain {
     delay_ticks: usize,
     felt: [f64; 12],
     filtered: [f64; 12],
-    random: Pcg64,
+    random: Noise,
     /// Samples by tick, as a ring.
     ring: Vec<DeflectionSample>,
 }
@@ -58,8 +57,6 @@ impl SignalChain {
     /// The chain at rest at `reading`.
     pub fn new(sensor: &scenario::Sensor, seed: i64, reading: &Reading) -> Self {
         let delay_ticks = usize::try_from(sensor.delay_ticks).unwrap_or(0);
-        let tick = |time_s: f64| libm::rint(time_s / TICK_S) as i64;
-        let dropout_start = tick(sensor.dropout_start_s);
         Self {
             time_constant_s: 1.0 / (std::f64::consts::TAU * sensor.bandwidth_hz),
             noise: thrice([
@@ -72,11 +69,11 @@ impl SignalChain {
             range: thrice([sensor.range_translation_m, sensor.range_rotation_rad]),
             drift: joined([sensor.drift_translation_m_per_s, sensor.drift_rotation_rad_per_s]),
             wrench_measured: sensor.wrench_measured,
-            dropout: dropout_start..dropout_start + tick(sensor.dropout_duration_s),
+            dropout: dropout(sensor.dropout_start_s, sensor.dropout_duration_s),
             delay_ticks,
             felt: components(reading),
             filtered: components(reading),
-            random: Pcg64::seed_from_u64(seed as u64),
+            random: Noise::new(seed as u64),
             ring: vec![DeflectionSample::default(); delay_ticks + DEFLECTION_SAMPLES],
         }
     }
@@ -138,20 +135,16 @@ impl SignalChain {
 
     fn measure(&mut self, tick: i64) -> DeflectionSample {
         let time = tick as f64 * TICK_S;
-        let normal = self.normals();
+        let normal: [f64; 6] = self.random.normals();
         let mut saturated = false;
         let deflection: [f64; 6] = std::array::from_fn(|i| {
             let noisy = self.filtered[i] + self.drift[i] * time + self.noise[i] * normal[i];
-            let quantised = if self.quantum[i] > 0.0 {
-                libm::rint(noisy / self.quantum[i]) * self.quantum[i]
-            } else {
-                noisy
-            };
+            let quantised = quantised(noisy, self.quantum[i]);
             saturated |= quantised.abs() >= self.range[i];
             quantised.clamp(-self.range[i], self.range[i])
         });
         let wrench = self.wrench_measured.then(|| {
-            let normal = self.normals();
+            let normal: [f64; 6] = self.random.normals();
             std::array::from_fn(|i| self.filtered[6 + i] + self.noise[6 + i] * normal[i])
         });
         let wrench: [f64; 6] = wrench.unwrap_or_default();
@@ -172,25 +165,21 @@ impl SignalChain {
             },
         }
     }
+}
 
-    /// Six standard normal numbers by Box and Muller: always six draws, so that one stream stays
-    /// reproducible.
-    fn normals(&mut self) -> [f64; 6] {
-        let mut normals = [0.0; 6];
-        for pair in normals.chunks_exact_mut(2) {
-            let radius = (-2.0 * libm::log(self.uniform())).sqrt();
-            let (sine, cosine) = libm::sincos(std::f64::consts::TAU * self.uniform());
-            pair[0] = radius * cosine;
-            pair[1] = radius * sine;
-        }
-        normals
+/// The multiple of `quantum` that is nearest to `value`; `value` itself if the quantum is 0.
+pub(crate) fn quantised(value: f64, quantum: f64) -> f64 {
+    if quantum > 0.0 {
+        libm::rint(value / quantum) * quantum
+    } else {
+        value
     }
+}
 
-    /// Uniform in (0, 1]: the logarithm's argument is never zero.
-    fn uniform(&mut self) -> f64 {
-        const SCALE: f64 = 1.0 / (1u64 << 53) as f64;
-        ((self.random.next_u64() >> 11) + 1) as f64 * SCALE
-    }
+/// The ticks of a drop-out that begins at `start` and lasts `duration`, both in s.
+pub(crate) fn dropout(start: f64, duration: f64) -> Range<i64> {
+    let tick = |time: f64| libm::rint(time / TICK_S) as i64;
+    tick(start)..tick(start) + tick(duration)
 }
 
 fn components(reading: &Reading) -> [f64; 12] {

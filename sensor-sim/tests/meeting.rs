@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use nalgebra::Vector3;
-use node::scenario::{Object, Scenario, Sensor, Tool, ToolShape};
+use node::scenario::{Object, ObjectSensor, Scenario, Sensor, Tool, ToolShape};
 use sensor_sim::{Outputs, SensorSim};
 use spatial::ports::{LinkMotion, Role, Stamp, Truth};
 use spatial::{GRAVITY_M_PER_S2, Motion, Pose, TICK_S, rotation};
@@ -175,4 +175,29 @@ fn a_measured_wrench_is_the_load_on_the_sensor() {
         );
         assert!(sample.wrench.force.xy().norm() < 1e-9 && sample.wrench.moment.norm() < 1e-9);
     }
+}
+
+#[test]
+fn a_non_contact_sensor_sees_the_surface_yield_and_changes_nothing_else() {
+    let mut scenario = in_line();
+    scenario.object.support_n_per_m = 200e3;
+    scenario.object.support_ns_per_m = 200.0;
+    let blind = lower(&scenario, 0.0, 0.002, 0.5, |_| ());
+    scenario.object_sensor = ObjectSensor {
+        enabled: true,
+        period_ticks: 4,
+        delay_ticks: 0,
+        noise_m: 0.0,
+        quantum_m: 0.0,
+        ..Default::default()
+    };
+    let seeing = lower(&scenario, 0.0, 0.002, 0.5, |_| ());
+    let pose = seeing.object_pose.unwrap();
+    assert!(pose.visible && seeing.truth.object_height_m < -1e-4);
+    assert_eq!(pose.pose.translation.z, seeing.truth.object_height_m);
+    let without = Outputs {
+        object_pose: None,
+        ..seeing
+    };
+    assert_eq!(without, blind);
 }

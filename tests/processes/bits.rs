@@ -1,14 +1,35 @@
 //! Three processes in lockstep say bit for bit what the loop in one process says (DESIGN.md, invariant 4).
 
-use experiment::{launch, transcript};
+use experiment::launch;
+use experiment::transcript::{self, Entry};
+use spatial::ports::ObjectPose;
 use tests::{Bench, Impairment, Relay};
 
-fn assert_same_bits(bench: &Bench) {
+/// Returns what was said.
+fn assert_same_bits(bench: &Bench) -> Vec<Entry> {
     let never = crossbeam::channel::never();
     let said = launch::run(&bench.plan, &never, |_| ()).unwrap();
     let expected = transcript::in_process(&bench.scenario).unwrap();
     assert!(expected.len() > 3 * 900);
     assert_eq!(transcript::first_difference(&said, &expected), None);
+    said
+}
+
+/// The same while a relay loses 5 % of all datagrams and doubles 5 %.
+fn assert_same_bits_on_a_bad_network(changes: &[&str], seed: u64) -> Vec<Entry> {
+    let seeded = format!("timing.seed={seed}");
+    let changes: Vec<_> = changes.iter().copied().chain([seeded.as_str()]).collect();
+    let mut bench = Bench::new(&changes).unwrap();
+    let ports = bench.separate().unwrap();
+    let impairment = Impairment {
+        loss: 0.05,
+        duplication: 0.05,
+        seed,
+    };
+    let relay = Relay::start(&ports, impairment).unwrap();
+    let said = assert_same_bits(&bench);
+    assert!(relay.lost() > 100, "the relay has lost only {}", relay.lost());
+    said
 }
 
 #[test]
@@ -29,18 +50,23 @@ fn the_pd_law_with_another_period_and_seed() {
 #[test]
 fn with_five_percent_of_all_datagrams_lost_and_five_doubled() {
     for seed in 1..=4 {
-        let mut bench = Bench::new(&[&format!("timing.seed={seed}")]).unwrap();
-        let ports = bench.separate().unwrap();
-        let relay = Relay::start(
-            &ports,
-            Impairment {
-                loss: 0.05,
-                duplication: 0.05,
-                seed,
-            },
-        )
-        .unwrap();
-        assert_same_bits(&bench);
-        assert!(relay.lost() > 100, "the relay has lost only {}", relay.lost());
+        assert_same_bits_on_a_bad_network(&[], seed);
+    }
+}
+
+/// A moving object is seen at every third cycle, by a sensor whose delay is no multiple of anything.
+#[test]
+fn with_a_non_contact_sensor_on_a_good_and_on_a_bad_network() {
+    let changes = [
+        "object_sensor.enabled=true",
+        "object_sensor.period_ticks=12",
+        "object_sensor.delay_ticks=7",
+        "object.swing_amplitude_m=[0.001, 0.0, 0.0005]",
+    ];
+    let good = assert_same_bits(&Bench::new(&changes).unwrap());
+    let bad = assert_same_bits_on_a_bad_network(&changes, 2);
+    for said in [good, bad] {
+        let steps = transcript::messages::<ObjectPose>(&said).map(|pose| pose.stamp.step);
+        assert!(steps.eq((0..=900).step_by(12)));
     }
 }

@@ -13,6 +13,7 @@ fn the_literal_law_commands_equation_2_of_the_newest_sample() {
     for pairing in [Pairing::Sampling, Pairing::Arrival] {
         let mut scenario = Scenario::default();
         scenario.controller.law = Law::Literal;
+        scenario.controller.transform = scenario::Transform::Twist;
         scenario.controller.pairing = pairing;
         let kinematics = scenario.robot.kinematics();
         let d: Vector3<f64> = scenario.controller.tcp_in_s_m.into();
@@ -28,7 +29,11 @@ fn the_literal_law_commands_equation_2_of_the_newest_sample() {
         let mut commands = 0;
         for tick in (0..=600).step_by(4) {
             let shown = |sampled: i64| lifted(compliance * force(sampled));
-            let outputs = controller.cycle(&state(tick, moved(tick as f64)), &sensed(tick, delay, shown));
+            let outputs = controller.cycle(
+                &state(tick, moved(tick as f64)),
+                &sensed(tick, delay, shown),
+                None,
+            );
             let newest = tick - delay;
             if newest < 400 {
                 continue;

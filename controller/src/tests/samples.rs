@@ -12,7 +12,7 @@ fn hanging(scenario: &Scenario) -> (Controller, Axes, Deflection) {
         rotation: Vector3::new(0.0, 2.918e-3, 0.0),
     };
     for tick in (0..=300).step_by(4) {
-        controller.cycle(&state(tick, axes), &sensed(tick, 0, |_| sag));
+        controller.cycle(&state(tick, axes), &sensed(tick, 0, |_| sag), None);
     }
     (controller, axes, sag)
 }
@@ -35,7 +35,7 @@ fn a_force_at_the_tcp_is_a_force_without_moment_there() {
             rotation: sag.rotation + moment_at_s * (10.0 * 1f64.to_radians() / 7.0),
         };
         let wrench = controller
-            .cycle(&state(tick, axes), &sensed(tick, 0, |_| pushed))
+            .cycle(&state(tick, axes), &sensed(tick, 0, |_| pushed), None)
             .status
             .wrench;
         assert!((wrench.force - force * 10.0).norm() < 1e-6, "{wrench:?}");
@@ -53,7 +53,7 @@ fn a_moment_is_a_moment_without_force() {
         ..sag
     };
     let wrench = controller
-        .cycle(&state(304, axes), &sensed(304, 0, |_| turned))
+        .cycle(&state(304, axes), &sensed(304, 0, |_| turned), None)
         .status
         .wrench;
     assert!(
@@ -88,7 +88,7 @@ fn the_object_stands_still_however_fast_the_robot_and_late_the_sensor() {
         let mut controller = Controller::new(&scenario);
         for tick in (0..=700).step_by(4) {
             let status = controller
-                .cycle(&state(tick, moved(tick)), &sensed(tick, delay, shown))
+                .cycle(&state(tick, moved(tick)), &sensed(tick, delay, shown), None)
                 .status;
             if (tick - delay) as f64 * TICK_S > touched + 20.0 * tau {
                 let height = status.object_pose.translation.vector.z;
@@ -132,7 +132,7 @@ fn a_force_sample_stands_for_the_deflection_under_it() {
                     }
                 }
             }
-            controller.cycle(&state(tick, start), &deflections)
+            controller.cycle(&state(tick, start), &deflections, None)
         };
         (0..=500).step_by(4).map(cycle).collect()
     };
@@ -149,4 +149,25 @@ fn a_force_sample_stands_for_the_deflection_under_it() {
     let last = forces[forces.len() - 1].status;
     assert!(last.object_known && last.force_error_n.abs() < 0.03, "{last:?}");
     assert!((last.wrench.force.z - 10.0).abs() < 1e-6 && last.wrench.moment.norm() < 1e-6);
+}
+
+/// A pose that is published at a cycle is known from that cycle on.
+#[test]
+fn the_object_is_known_where_a_non_contact_sensor_has_seen_it_last() {
+    let scenario = Scenario::default();
+    let axes = scenario.start_axes().unwrap();
+    let mut controller = Controller::new(&scenario);
+    controller.cycle(&state(0, axes), &undeflected(0), None);
+    assert_eq!(controller.object_sensor.newest(), None);
+    let pose = ObjectPose {
+        stamp: Stamp::lockstep(4, 1, Role::Sensor),
+        visible: true,
+        pose: spatial::Pose::translation(0.0, 0.0, 0.01),
+        velocity: Vector3::zeros(),
+        angular_velocity: Vector3::zeros(),
+        position_sigma_m: 50e-6,
+    };
+    controller.cycle(&state(4, axes), &undeflected(4), Some(&pose));
+    controller.cycle(&state(8, axes), &undeflected(8), None);
+    assert_eq!(controller.object_sensor.newest(), Some(&pose));
 }

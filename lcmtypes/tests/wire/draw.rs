@@ -49,11 +49,13 @@ pub(crate) trait Draw {
     }
 }
 
-/// 0.25, -1.25, 2.25, ... and 1001, 1002, ...: every member differs from its neighbours.
+/// 0.25, -1.25, 2.25, ... and 1001, 1002, ...: every member differs from its neighbours. Of an enumeration, one of the
+/// values that follow the first: those that come to its end later change no sample.
 #[derive(Default)]
 pub(crate) struct Counting {
     reals: f64,
     integers: i64,
+    choices: usize,
 }
 
 impl Draw for Counting {
@@ -65,6 +67,11 @@ impl Draw for Counting {
     fn integer(&mut self) -> i64 {
         self.integers += 1;
         1000 + self.integers
+    }
+    fn one_of<T: Copy>(&mut self, all: &[T]) -> T {
+        self.integer();
+        self.choices += 1;
+        all[1 + self.choices % (all.len().min(4) - 1)]
     }
     fn quaternion(&mut self) -> [f64; 4] {
         [0.8, 0.0, -0.6, 0.0]

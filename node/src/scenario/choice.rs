@@ -41,6 +41,28 @@ pub enum Pairing {
     Arrival,
 }
 
+/// How deflections are carried between sensor and tcp.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Transform {
+    /// As homogeneous transformations, footnotes 5 and 7, with the lever of the deflected tool.
+    #[default]
+    Exact,
+    /// To first order, eqs. (7) and (8).
+    Twist,
+}
+
+/// How the object is assumed to move: what its model extrapolates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ObjectMotion {
+    /// Not at all.
+    #[default]
+    Fixed,
+    /// With a velocity that changes slowly.
+    Steady,
+    /// With an acceleration that changes slowly.
+    Accelerated,
+}
+
 /// What a compliant sensor puts out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SensorOutput {
@@ -109,6 +131,9 @@ choice!(TimingMode: "lockstep" => Lockstep; planned: "realtime");
 choice!(Kinematics: "gantry" => Gantry, "arm" => Arm);
 choice!(Gears: "rigid" => Rigid, "elastic" => Elastic);
 choice!(Pairing: "sampling" => Sampling, "arrival" => Arrival);
+choice!(Transform: "exact" => Exact, "twist" => Twist);
+choice!(ObjectMotion: "fixed" => Fixed, "steady" => Steady, "accelerated" => Accelerated);
 choice!(SensorOutput: "deflection" => Deflection, "force" => Force);
 choice!(ToolShape: "point" => Point, "face" => Face, "peg" => Peg);
-choice!(Law: "pd" => Pd, "proposed" => Proposed, "literal" => Literal; planned: "pd-reset", "elastic", "ros2", "fzi");
+choice!(Law: "pd" => Pd, "pd-reset" => PdReset, "literal" => Literal, "proposed" => Proposed, "impedance" => Impedance;
+    planned: "elastic", "ros2", "fzi");

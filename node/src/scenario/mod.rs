@@ -1,11 +1,13 @@
 //! The scenario: one TOML file per experiment, read by all nodes.
 //!
-//! Every key is declared once, below: name (its suffix is the unit), type, default, limits and one line of
-//! documentation. The structs, reading with validation, [`Scenario::hash`] and [`Scenario::keys`] follow from
-//! that. Every key is optional; the defaults are the experiment of the paper's section V on the reference plant.
+//! Every key is declared once, below or in the file of its section: name (its suffix is the unit), type, default,
+//! limits and one line of documentation. The structs, reading with validation, [`Scenario::hash`] and
+//! [`Scenario::keys`] follow from that. Every key is optional; the defaults are the experiment of the paper's
+//! section V on the reference plant.
 //!
-//! What is (`[robot]`, `[sensor]`, `[tool]`, `[object]`) and what the controller assumes (`[controller]`) are
-//! separate entries, so that every claim about a wrong compliance, delay, mass or gear can be tested.
+//! What is (`[robot]`, `[sensor]`, `[tool]`, `[object]`, `[object_sensor]`) and what the controller assumes
+//! (`[controller]`) are separate entries, so that every claim about a wrong compliance, delay, mass or gear can be
+//! tested.
 
 mod check;
 mod choice;
@@ -13,6 +15,7 @@ mod error;
 mod estimate;
 mod hash;
 mod names;
+mod object_sensor;
 mod reach;
 mod read;
 mod robot;
@@ -21,16 +24,17 @@ mod schema;
 mod tests;
 mod value;
 
-pub use choice::{Gears, Kinematics, Pairing, SensorOutput, TimingMode, ToolShape};
+pub use choice::{Gears, Kinematics, ObjectMotion, Pairing, SensorOutput, TimingMode, ToolShape, Transform};
 pub use error::ScenarioError;
+pub use object_sensor::ObjectSensor;
 pub use robot::Drives;
 pub use schema::{Allowed, Key};
 pub use spatial::ports::Law;
 
 schema::section! {
     /// One experiment: what is, what is asked for, and what the controller assumes.
-    Scenario at "" with timing: Timing, robot: Robot, sensor: Sensor, tool: Tool, object: Object, task: Task,
-        controller: Controller {}
+    Scenario at "" with timing: Timing, robot: Robot, sensor: Sensor, tool: Tool, object: Object,
+        object_sensor: ObjectSensor, task: Task, controller: Controller {}
 }
 
 schema::section! {
@@ -279,7 +283,7 @@ schema::section! {
 
 schema::section! {
     /// What is asked for.
-    Task at "task" {
+    Task at "task" with force_controlled: ForceControlled {
         /// Where the tcp starts, in r.
         start_position_m: [f64; 3] = [0.0, 0.0, 0.030], in -10.0..=10.0;
         /// Standstill before the approach.
@@ -292,16 +296,46 @@ schema::section! {
         approach_speed_m_per_s: f64 = 0.020, in 0.0005..=1.0;
         /// Desired normal force.
         desired_force_n: f64 = 10.0, in 0.1..=1e5;
+        /// Desired moment about the tcp's x, y and z, in r; where that degree of freedom is force controlled.
+        desired_moment_nm: [f64; 3] = [0.0, 0.0, 0.0], in -1e4..=1e4;
+    }
+}
+
+schema::section! {
+    /// Which degrees of freedom of the tcp, along and about the axes of r, follow the force law once there is contact;
+    /// the others keep their reference.
+    ForceControlled at "task.force_controlled" {
+        /// Along x, with no force desired.
+        x: bool = false;
+        /// Along y, with no force desired.
+        y: bool = false;
+        /// Along z, the normal.
+        z: bool = true;
+        /// About x.
+        about_x: bool = false;
+        /// About y.
+        about_y: bool = false;
+        /// About z.
+        about_z: bool = false;
+    }
+}
+
+impl ForceControlled {
+    /// All six, in the order of a wrench.
+    pub fn dofs(&self) -> [bool; 6] {
+        [self.x, self.y, self.z, self.about_x, self.about_y, self.about_z]
     }
 }
 
 schema::section! {
     /// The control law and what it assumes of robot, sensor and tool.
-    Controller at "controller" with pd: Pd, proposed: Proposed {
+    Controller at "controller" with pd: Pd, proposed: Proposed, impedance: Impedance, servo: AssumedServo {
         /// Control law.
         law: Law = Law::Proposed;
         /// Which actual pose is taken to belong to a deflection.
         pairing: Pairing = Pairing::Sampling;
+        /// How deflections are carried between sensor and tcp.
+        transform: Transform = Transform::Exact;
         /// Which output of the sensor is used.
         sensor_output: SensorOutput = SensorOutput::Deflection;
         /// How long the deflection is averaged at standstill to become zero force.
@@ -339,21 +373,65 @@ schema::section! {
 }
 
 schema::section! {
-    /// The law `pd`, eq. (1).
+    /// The laws `pd` and `pd-reset`, eq. (1).
     Pd at "controller.pd" {
-        /// Proportional gain K.
+        /// Proportional gain K along an axis.
         proportional_m_per_n: f64 = 2.7e-6, in 0.0..=1e-2;
-        /// Derivative gain D.
+        /// Derivative gain D along an axis.
         derivative_m_per_n: f64 = 11e-6, in 0.0..=1e-2;
+        /// Proportional gain K about an axis.
+        proportional_rad_per_nm: f64 = 2.4e-4, in 0.0..=10.0;
+        /// Derivative gain D about an axis.
+        derivative_rad_per_nm: f64 = 1e-3, in 0.0..=10.0;
     }
 }
 
 schema::section! {
     /// The law `proposed`: eqs. (2) and (9) to (12) as an object model.
     Proposed at "controller.proposed" {
-        /// Weight of a new sample in the object's pose.
+        /// Weight of a new sample in the object's pose, just after the contact.
         object_filter_gain: f64 = 0.1, in 1e-3..=1.0;
+        /// The same later: the weight falls as in a mean over all samples, down to this one.
+        settled_filter_gain: f64 = 0.01, in 1e-4..=1.0;
+        /// How the object is assumed to move.
+        object_motion: ObjectMotion = ObjectMotion::Fixed;
         /// Bandwidth of the reference model.
-        reference_bandwidth_hz: f64 = 30.0, in 0.1..=200.0;
+        reference_bandwidth_hz: f64 = 35.0, in 0.1..=200.0;
+        /// Whether the desired force is fed forward as a disturbance of the position control.
+        disturbance_feed_forward: bool = true;
+    }
+}
+
+schema::section! {
+    /// What the controller assumes of the servos of the axes, `[robot]` as it is known from outside.
+    AssumedServo at "controller.servo" {
+        /// Gain of the position loop.
+        position_gain_per_s: f64 = 25.0, in 0.1..=500.0;
+        /// Bandwidth of the velocity loop, with the motor's inertia alone.
+        velocity_bandwidth_hz: f64 = 60.0, in 1.0..=150.0;
+        /// Integral time of the velocity loop.
+        velocity_integral_time_s: f64 = 0.03, in 1e-3..=100.0;
+        /// Inertia of each axis on the motor's side.
+        motor_inertia_kg_m2: [f64; 6] = [120.0, 120.0, 120.0, 4.0, 4.0, 4.0], in 1e-3..=1e4;
+        /// Inertia of each axis on the link's side.
+        link_inertia_kg_m2: [f64; 6] = [60.0, 60.0, 60.0, 2.0, 2.0, 2.0], in 1e-3..=1e4;
+    }
+}
+
+schema::section! {
+    /// The law `impedance`: the way to the desired pose of `proposed` is that of a mass with damper and spring.
+    Impedance at "controller.impedance" {
+        /// Mass along an axis.
+        mass_kg: f64 = 5.0, in 1e-3..=1e5;
+        /// Damping along an axis.
+        damping_ns_per_m: f64 = 840.0, in 0.0..=1e7;
+        /// Stiffness along an axis towards where the contact was met; 0: the desired force is reached.
+        stiffness_n_per_m: f64 = 0.0, in 0.0..=1e9;
+        /// Inertia about an axis.
+        inertia_kg_m2: f64 = 0.06, in 1e-6..=1e5;
+        /// Damping about an axis.
+        damping_nms_per_rad: f64 = 10.0, in 0.0..=1e7;
+        /// Stiffness about an axis.
+        stiffness_nm_per_rad: f64 = 0.0, in 0.0..=1e9;
     }
 }

@@ -164,7 +164,7 @@ macro_rules! section {
 
         impl $name {
             /// Every key with the place of its value, in the order of declaration.
-            fn fields(&mut self) -> impl Iterator<Item = $crate::scenario::schema::Field<'_>> {
+            pub(in crate::scenario) fn fields(&mut self) -> impl Iterator<Item = $crate::scenario::schema::Field<'_>> {
                 let own = [$($crate::scenario::schema::Field {
                     path: concat!($path, ".", stringify!($key)),
                     doc: concat!($($doc),+).trim_ascii(),
@@ -277,8 +277,17 @@ mod tests {
                 "object.rebound_ratio",
                 "object.exponent",
                 "object.friction",
+                "object_sensor.enabled",
+                "task.force_controlled.x",
+                "task.force_controlled.y",
+                "task.force_controlled.z",
+                "task.force_controlled.about_x",
+                "task.force_controlled.about_y",
+                "task.force_controlled.about_z",
                 "controller.filter_damping",
                 "controller.proposed.object_filter_gain",
+                "controller.proposed.settled_filter_gain",
+                "controller.proposed.disturbance_feed_forward",
             ]
         );
     }

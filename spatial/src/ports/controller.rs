@@ -48,6 +48,8 @@ wire_enum! {
         Ros2 = 5,
         /// FZI `cartesian_force_controller`.
         Fzi = 6,
+        /// Object model, approached as a mass with damper and spring.
+        Impedance = 7,
     }
 }
 

@@ -79,17 +79,17 @@ impl Check for Deflections {
 /// An object's pose as a non-contact sensor or a model gives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObjectPose {
-    /// `utime`: sampling instant.
+    /// Tick at which the message is sent; `utime` is the sampling instant.
     pub stamp: Stamp,
-    /// Whether the object is seen.
+    /// Whether the object is seen; if not, what follows tells nothing, and the pose is the identity.
     pub visible: bool,
     /// `r_from_o`.
     pub pose: Pose,
-    /// Velocity of its origin in r, m/s.
+    /// Velocity of its origin in r, m/s; zero from a sensor that measures no velocities.
     pub velocity: Vector3<f64>,
-    /// Angular velocity in r, rad/s.
+    /// Angular velocity in r, rad/s; zero from a sensor that measures no velocities.
     pub angular_velocity: Vector3<f64>,
-    /// Standard deviation of the position, m.
+    /// Standard deviation of the position along each axis of r, m.
     pub position_sigma_m: f64,
 }
 

@@ -203,3 +203,13 @@ fn force_output_needs_a_measured_wrench() {
         .is_ok()
     );
 }
+
+#[test]
+fn an_object_pose_comes_with_a_cycle_of_the_controller() {
+    assert_eq!(
+        refusal("[object_sensor]\nenabled = true\nperiod_ticks = 10", &[]),
+        "a.toml:3:1: object_sensor.period_ticks is 10 ticks, no multiple of timing.command_period_ticks, 4 ticks; \
+         choose a multiple, such as 4 ticks"
+    );
+    assert!(Scenario::parse("a.toml", "object_sensor.period_ticks = 10", &[]).is_ok());
+}

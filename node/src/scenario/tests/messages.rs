@@ -3,8 +3,9 @@
 use super::refusal;
 use crate::scenario::{Scenario, schema::Entry};
 
-const SECTIONS: &str = "[timing], [robot], [robot.gantry], [robot.arm], [sensor], [tool], [object], [task], [controller], [controller.pd], \
-                        [controller.proposed]";
+const SECTIONS: &str = "[timing], [robot], [robot.gantry], [robot.arm], [sensor], [tool], [object], [object_sensor], \
+                        [task], [task.force_controlled], [controller], [controller.pd], [controller.proposed], \
+                        [controller.impedance], [controller.servo]";
 
 const OBJECT_KEYS: &str = "height_m, indentation_n_per_m, rebound_ratio, exponent, friction, friction_speed_m_per_s, origin_m, \
                            rotation_rad, velocity_m_per_s, swing_amplitude_m, swing_frequency_hz, swing_phase_rad, \
@@ -140,11 +141,11 @@ fn words_that_are_unknown_and_words_that_are_planned() {
     assert_eq!(
         refusal("timing.mode = 'lokstep'\ncontroller.law = 'magic'", &[]),
         "a.toml:1:15: timing.mode is the unknown word \"lokstep\"; choose \"lockstep\"; did you mean \"lockstep\"?\n\
-         a.toml:2:18: controller.law is the unknown word \"magic\"; choose \"pd\" or \"proposed\" or \"literal\""
+         a.toml:2:18: controller.law is the unknown word \"magic\"; choose \"pd\" or \"pd-reset\" or \"literal\" or \"proposed\" or \
+         \"impedance\""
     );
     let planned = [
         ("timing.mode", "realtime"),
-        ("controller.law", "pd-reset"),
         ("controller.law", "elastic"),
         ("controller.law", "ros2"),
         ("controller.law", "fzi"),
@@ -173,7 +174,8 @@ fn overrides() {
                 "tool.mass_kg=1 kg"
             ]
         ),
-        "--set controller.law=dp: controller.law is the unknown word \"dp\"; choose \"pd\" or \"proposed\" or \"literal\"\n\
+        "--set controller.law=dp: controller.law is the unknown word \"dp\"; choose \"pd\" or \"pd-reset\" or \"literal\" or \"proposed\" or \
+         \"impedance\"\n\
          --set timing.seed=-1: timing.seed is -1, below the limit of 0; choose a value in 0..=9223372036854775807\n\
          --set timing.seed: not an assignment; write --set section.key=value\n\
          --set =3: not an assignment; write --set section.key=value\n\

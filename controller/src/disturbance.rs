@@ -1,0 +1,96 @@
+//! The desired force as a disturbance of the position control, known in advance.
+//!
+//! Paper II-B: the feed-forward of ideal position control also compensates the disturbance that the desired forces and
+//! moments are. The contact force acts on the axes, whose servos yield to it until their integral parts have taken it
+//! over. That deviation is computed from what is known of the servos, and the desired pose is led by it.
+//!
+//! Model choice: the servo of `robot-sim` as a manufacturer would describe it. With y the deviation of an axis from its
+//! filtered set-point, m its inertia, `K_v = m_m w_v`:
+//! `m y'' = tau - K_v (y' + k y) - K_v / T_i integral(y' + k y)`.
+
+use node::scenario;
+use spatial::TICK_S;
+use spatial::kinematics::Axes;
+use std::f64::consts::TAU;
+
+/// How the servos of the axes yield, at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disturbance {
+    /// k, 1/s.
+    position_gain: f64,
+    /// T_i, s.
+    integral_time_s: f64,
+    /// K_v, Nm s/rad.
+    velocity_gain: Axes,
+    /// m, kg m^2.
+    inertia: Axes,
+    /// y, rad.
+    deviation: Axes,
+    /// y', rad/s.
+    rate: Axes,
+    /// Torque of the integral parts, Nm.
+    integral: Axes,
+}
+
+impl Disturbance {
+    /// The servos that the controller assumes, undisturbed.
+    pub fn new(servo: &scenario::AssumedServo) -> Self {
+        let motor = Axes::from(servo.motor_inertia_kg_m2);
+        Self {
+            position_gain: servo.position_gain_per_s,
+            integral_time_s: servo.velocity_integral_time_s,
+            velocity_gain: motor * (TAU * servo.velocity_bandwidth_hz),
+            inertia: motor + Axes::from(servo.link_inertia_kg_m2),
+            deviation: Axes::zeros(),
+            rate: Axes::zeros(),
+            integral: Axes::zeros(),
+        }
+    }
+
+    /// How far the axes have yielded, rad.
+    pub fn deviation(&self) -> &Axes {
+        &self.deviation
+    }
+
+    /// One tick under the torque `tau` (Nm) of the environment on the axes; the rate is damped implicitly, so that no
+    /// gain makes the step unstable.
+    pub fn advance(&mut self, tau: &Axes) {
+        let h = TICK_S;
+        for axis in 0..6 {
+            let (gain, inertia) = (self.velocity_gain[axis], self.inertia[axis]);
+            let push = tau[axis] - gain * self.position_gain * self.deviation[axis] - self.integral[axis];
+            let rate = (self.rate[axis] + h / inertia * push) / (1.0 + h * gain / inertia);
+            self.rate[axis] = rate;
+            self.deviation[axis] += h * rate;
+            let error = rate + self.position_gain * self.deviation[axis];
+            self.integral[axis] += h * gain / self.integral_time_s * error;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The deviation under a step of 10 N: its integral over time is that of the transfer function at s = 0,
+    /// `T_i / (K_v k) tau`, since `y(s) = s tau / (m s^3 + K_v s^2 + K_v (k + 1/T_i) s + K_v k / T_i)` and tau = 10 / s.
+    #[test]
+    fn a_constant_torque_is_yielded_to_and_taken_over() {
+        let servo = scenario::AssumedServo::default();
+        let mut disturbance = Disturbance::new(&servo);
+        let tau = Axes::ith(2, 10.0);
+        let (mut sum, mut most) = (0.0, 0.0f64);
+        for _ in 0..3000 {
+            disturbance.advance(&tau);
+            let y = disturbance.deviation();
+            assert_eq!((y.x, y.w), (0.0, 0.0));
+            sum += y.z * TICK_S;
+            most = most.max(y.z);
+        }
+        assert!(disturbance.deviation().z.abs() < 1e-9);
+        let gain = servo.motor_inertia_kg_m2[2] * TAU * servo.velocity_bandwidth_hz;
+        let expected = servo.velocity_integral_time_s / (gain * servo.position_gain_per_s) * 10.0;
+        assert!((sum / expected - 1.0).abs() < 0.02, "{sum} {expected}");
+        assert!((2e-6..8e-6).contains(&most), "{most} m");
+    }
+}
