@@ -26,8 +26,8 @@ fn allocated(scenario: &Scenario) -> ([AllocationInfo; 3], bool) {
         sums[1] += measure(|| sensed = Some(sensor.advance(&link)));
         let sensed = sensed.unwrap();
         sums[2] += measure(|| {
-            answer = state
-                .map(|state| controller.cycle(&state, &sensed.deflections, sensed.object_pose.as_ref()));
+            answer =
+                state.map(|state| controller.cycle(&state, &sensed.deflections, sensed.object_pose.as_ref()));
         });
         let command = answer.as_ref().map(|answer| &answer.command);
         sums[0] += measure(|| robot.advance(&sensed.tool_motion, command));

@@ -152,12 +152,7 @@ fn mass_matrix(joints: &[Joint; 6], bodies: &[Body; 6]) -> Matrix6<f64> {
 
 /// Newton and Euler's recursion without joint accelerations: out to the flange with the motion, which it returns too,
 /// and back with the forces.
-fn bias(
-    joints: &[Joint; 6],
-    bodies: &[Body; 6],
-    velocity: &Axes,
-    gravity: Vector3<f64>,
-) -> (Axes, Motion) {
+fn bias(joints: &[Joint; 6], bodies: &[Body; 6], velocity: &Axes, gravity: Vector3<f64>) -> (Axes, Motion) {
     let mut motion = Motion::at_rest(Pose::identity());
     let mut wrenches = [(Vector3::zeros(), Vector3::zeros()); 6];
     for i in 0..6 {

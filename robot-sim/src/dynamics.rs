@@ -92,8 +92,7 @@ impl Dynamics {
     pub fn posture(&self, state: &State) -> Posture {
         // The motors turn with the links where the gears are rigid.
         let rotors = self.gears.map_or(self.motor_inertia, |_| Axes::zeros());
-        self.links
-            .at(&state.link_position, &state.link_velocity, &rotors)
+        self.links.at(&state.link_position, &state.link_velocity, &rotors)
     }
 
     /// Motion of s with the accelerations that `torque` (Nm) and the tool cause.

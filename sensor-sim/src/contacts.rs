@@ -203,9 +203,7 @@ impl Contacts {
         let points = self.points.iter().zip(pieces).enumerate();
         points
             .filter(|(_, (_, piece))| **piece != Piece::Off)
-            .map(move |(i, (point, piece))| {
-                (i, r_from_s1 * point.offset, point.contact.stiffness_on(*piece))
-            })
+            .map(move |(i, (point, piece))| (i, r_from_s1 * point.offset, point.contact.stiffness_on(*piece)))
     }
 
     /// Whether all points stayed on their `pieces` from `start` to `end`, `time` s later, each swinging with its

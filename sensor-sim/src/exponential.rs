@@ -101,8 +101,9 @@ pub enum Place {
 /// The change of y over a step: Krogstad's method of fourth order (Generalized integrating factor methods for stiff
 /// PDEs, J. Comput. Phys. 203, 2005: ETDRK4-B), in the form that starts from the rate of change at the step's start.
 ///
-/// `whole` and `half` are of the step and of half of it. `rate` gives y' where y has changed so much since the start;
-/// the second time that it is asked at the middle, that is what the solution does there.
+/// `whole` and `half` are of the step and of half of it. `rate` gives y' where y has changed so much since the start.
+/// As in the classical method, which this one is for L = 0, of the two stages at the middle one falls short by as much
+/// as the other goes too far: their mean is what the solution does there.
 pub fn step(
     linear: &Operator,
     [whole, half]: [&Phi; 2],

@@ -2,7 +2,7 @@
 //! kink of the contacts' laws down to short Runge-Kutta steps, which take it as it comes.
 
 use crate::contacts::Moment;
-use crate::exponential::{self, Place};
+use crate::exponential::{self, Place, Vector};
 use crate::signal::{SignalChain, Weights};
 use crate::smooth::Smooth;
 use crate::tool::{Instant, Rates, State, Work};
@@ -70,7 +70,10 @@ impl SensorSim {
     /// A Runge-Kutta step. What the contacts remember is frozen within it.
     fn step(&mut self, way: &Way, time: f64, level: usize) {
         let length = self.steps.levels[level].0;
-        let (middle, end) = (self.instant(way, time + 0.5 * length), self.instant(way, time + length));
+        let (middle, end) = (
+            self.instant(way, time + 0.5 * length),
+            self.instant(way, time + length),
+        );
         let instants = [&self.now, &middle, &end];
         let (state, work) = self.body.integrate(&self.state, instants, &self.contacts, length);
         self.state = state;
@@ -98,7 +101,10 @@ impl SensorSim {
             return false;
         };
         let length = self.steps.levels[level].0;
-        let (middle, end) = (self.instant(way, time + 0.5 * length), self.instant(way, time + length));
+        let (middle, end) = (
+            self.instant(way, time + 0.5 * length),
+            self.instant(way, time + length),
+        );
         if !self.clear_of_stops(&self.state, &self.now, length) {
             return false;
         }
@@ -106,7 +112,7 @@ impl SensorSim {
         let (body, contacts) = (&self.body, &self.contacts);
         let linear = self.smooth.about(body, contacts, &self.state, &pieces);
         let known = |state: &State, at: &Instant| body.rates_on(Some(&pieces), state, at, contacts);
-        let (mut halfway, mut halfway_rates) = (self.state, rates);
+        let (mut halfway, mut middles) = (Vector::zeros(), [rates; 2]);
         let start = rates.of_change(&self.state.angular_velocity, &Default::default());
         let phi = [&linear.levels[level], &linear.levels[level + 1]];
         let change = exponential::step(&linear.operator, phi, &start, |change, place| {
@@ -114,7 +120,8 @@ impl SensorSim {
             let at = if place == Place::Middle { &middle } else { &end };
             let rates = known(&state, at);
             if place == Place::Middle {
-                (halfway, halfway_rates) = (state, rates);
+                halfway += change * 0.5;
+                middles = [middles[1], rates];
             }
             let turn = change.fixed_rows::<3>(3).into_owned();
             rates.of_change(&state.angular_velocity, &turn)
@@ -137,8 +144,12 @@ impl SensorSim {
         if !self.clear_of_stops(&state, &end, length) {
             return false;
         }
+        let halfway = self.state.changed(&halfway);
         let felt = reading(&self.body, &halfway, &middle.link, self.wrench_measured);
-        self.work.add(&work([&rates, &halfway_rates, &end_rates], length));
+        self.work.add(&work(
+            &Rates::mean(&rates, &middles[0], &middles[1], &end_rates),
+            length,
+        ));
         self.work.on_object += pressing.stored_j;
         self.contact_force_peak_n = self.contact_force_peak_n.max(pressing.largest_force_n);
         self.state = state;
@@ -175,13 +186,11 @@ impl SensorSim {
     }
 }
 
-/// By Simpson's rule, without what the contacts' springs have stored.
-fn work([start, middle, end]: [&Rates; 3], time: f64) -> Work {
-    let mean = |power: fn(&Rates) -> f64| (power(start) + 4.0 * power(middle) + power(end)) / 6.0;
+/// What `mean` powers do within `time` s, without what the contacts' springs store.
+fn work(mean: &Rates, time: f64) -> Work {
     Work {
-        by_link: mean(|rates| rates.work.by_link),
-        dissipated: mean(|rates| rates.work.dissipated),
-        on_object: mean(|rates| rates.work.on_object - rates.indenting_power),
+        on_object: mean.work.on_object - mean.indenting_power,
+        ..mean.work
     }
     .over(time)
 }

@@ -17,10 +17,10 @@ pub mod swing;
 pub mod tool;
 
 use contacts::Contacts;
+use integration::Steps;
 use nalgebra::Vector3;
 use node::scenario::Scenario;
 use object::Base;
-use integration::Steps;
 use object_sensor::ObjectSensor;
 use signal::{Reading, SignalChain};
 use smooth::Smooth;

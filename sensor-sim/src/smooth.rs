@@ -2,11 +2,12 @@
 //! contacts are then springs and dampers, and only rotations bend it.
 
 use crate::contacts::{Contacts, POINTS, Pieces};
-use crate::exponential::{Operator, Phi};
+use crate::exponential::{Operator, Phi, Vector};
 use crate::object::Yielding;
-use crate::tool::{Body, State};
+use crate::tool::{Body, Rates, State};
 use nalgebra::{Matrix3, Matrix3x6, Matrix6, Rotation3, UnitQuaternion, Vector3, Vector6};
-use spatial::{kinematics::join, rotation::skew};
+use spatial::kinematics::join;
+use spatial::rotation::{self, skew};
 
 /// How far the tool turns before the linear system is taken anew, rad. What the explicit part of the method has to
 /// bear of the contact's stiffness is about that share of it.
@@ -80,8 +81,8 @@ impl Linear {
     }
 
     /// With generalised coordinates q = (x, v) of the centre of mass, `M q'' = -K q - D q'`: the suspension is
-    /// deflected by `x + com x v`, a point at lever l indents the surface by `-n (x + v x l)` less the surface's own
-    /// yielding.
+    /// deflected by `x + c x v` (c: from s' to the centre of mass), a point at lever l indents the surface by
+    /// `-n (x + v x l)` less the surface's own yielding.
     fn linearise(&mut self, r_from_s1: &UnitQuaternion<f64>, body: &Body, contacts: &Contacts) {
         self.r_from_s1 = Some(*r_from_s1);
         let rotation = r_from_s1.to_rotation_matrix();
@@ -118,12 +119,48 @@ impl Linear {
         l.fixed_view_mut::<6, 6>(0, 6).fill_with_identity();
         l.fixed_view_mut::<6, 6>(6, 0).copy_from(&(-mobility * stiffness));
         l.fixed_view_mut::<6, 6>(6, 6).copy_from(&(-mobility * damping));
-        l.fixed_view_mut::<6, 1>(6, 12).copy_from(&(mobility * on_surface));
+        l.fixed_view_mut::<6, 1>(6, 12)
+            .copy_from(&(mobility * on_surface));
         l.fixed_view_mut::<1, 6>(13, 0)
             .copy_from(&(on_surface.transpose() * yields_to_1_n));
         l[(12, 13)] = yields(0.0, 1.0).depth;
         l[(13, 12)] = yields(1.0, 0.0).rate - surface_stiffness * yields_to_1_n;
         l[(13, 13)] = yields(0.0, 1.0).rate;
+    }
+}
+
+impl State {
+    /// The state changed by position, rotation vector, velocity, angular velocity and surface, one below the other.
+    pub(crate) fn changed(&self, by: &Vector) -> Self {
+        let rows = |first: usize| Vector3::new(by[first], by[first + 1], by[first + 2]);
+        Self {
+            position: self.position + rows(0),
+            velocity: self.velocity + rows(6),
+            rotation: rotation::exp(rows(3)) * self.rotation,
+            angular_velocity: self.angular_velocity + rows(9),
+            surface: Yielding {
+                depth: self.surface.depth + by[12],
+                rate: self.surface.rate + by[13],
+            },
+        }
+    }
+}
+
+impl Rates {
+    /// As the rates of change of a change (see [`State::changed`]) whose rotation vector is `turn`, rad:
+    /// `w = J(v) v'`.
+    pub(crate) fn of_change(&self, angular_velocity: &Vector3<f64>, turn: &Vector3<f64>) -> Vector {
+        let turning = rotation::rate_of_change(*turn, *angular_velocity);
+        let mut vector = Vector::zeros();
+        vector.fixed_rows_mut::<3>(0).copy_from(&self.velocity);
+        vector.fixed_rows_mut::<3>(3).copy_from(&turning);
+        vector.fixed_rows_mut::<3>(6).copy_from(&self.acceleration);
+        vector
+            .fixed_rows_mut::<3>(9)
+            .copy_from(&self.angular_acceleration);
+        vector[12] = self.surface.depth;
+        vector[13] = self.surface.rate;
+        vector
     }
 }
 

@@ -1,7 +1,6 @@
 //! The tool: a rigid body that hangs on the sensor and touches the object.
 
 use crate::contacts::{Contacts, Pieces};
-use crate::exponential::Vector;
 use crate::object::{Base, Yielding};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use node::scenario;
@@ -227,20 +226,6 @@ impl Body {
 }
 
 impl Rates {
-    /// As the rates of change of a change (see [`State::changed`]) whose rotation vector is `turn`, rad:
-    /// `w = J(v) v'`.
-    pub(crate) fn of_change(&self, angular_velocity: &Vector3<f64>, turn: &Vector3<f64>) -> Vector {
-        let turning = rotation::rate_of_change(*turn, *angular_velocity);
-        let mut vector = Vector::zeros();
-        vector.fixed_rows_mut::<3>(0).copy_from(&self.velocity);
-        vector.fixed_rows_mut::<3>(3).copy_from(&turning);
-        vector.fixed_rows_mut::<3>(6).copy_from(&self.acceleration);
-        vector.fixed_rows_mut::<3>(9).copy_from(&self.angular_acceleration);
-        vector[12] = self.surface.depth;
-        vector[13] = self.surface.rate;
-        vector
-    }
-
     /// The mean over a step of the classical Runge-Kutta method, `(k1 + 2 (k2 + k3) + k4) / 6`.
     pub fn mean(k1: &Self, k2: &Self, k3: &Self, k4: &Self) -> Self {
         const SIXTH: f64 = 1.0 / 6.0;
@@ -284,21 +269,6 @@ impl Work {
 }
 
 impl State {
-    /// The state changed by position, rotation vector, velocity, angular velocity and surface, one below the other.
-    pub(crate) fn changed(&self, by: &Vector) -> Self {
-        let rows = |first: usize| Vector3::new(by[first], by[first + 1], by[first + 2]);
-        Self {
-            position: self.position + rows(0),
-            velocity: self.velocity + rows(6),
-            rotation: rotation::exp(rows(3)) * self.rotation,
-            angular_velocity: self.angular_velocity + rows(9),
-            surface: Yielding {
-                depth: self.surface.depth + by[12],
-                rate: self.surface.rate + by[13],
-            },
-        }
-    }
-
     /// The state after `time` s at constant `rates`.
     pub fn advanced(&self, rates: &Rates, time: f64) -> Self {
         let turned = self.rotation.into_inner() + rates.quaternion * time;

@@ -45,7 +45,9 @@ fn run(scenario: &Scenario, [longest, shortest]: [f64; 2]) -> (Vec<Truth>, Vecto
     scenario.sensor.smooth_step_s = longest;
     scenario.sensor.integration_step_s = shortest;
     let mut sensor = SensorSim::new(&scenario, &link(&scenario, 0).motion);
-    let all: Vec<_> = (0..=500).map(|tick| sensor.advance(&link(&scenario, tick))).collect();
+    let all: Vec<_> = (0..=500)
+        .map(|tick| sensor.advance(&link(&scenario, tick)))
+        .collect();
     let sample = all[500].deflections.samples[0].deflection.translation;
     (all.iter().map(|outputs| outputs.truth).collect(), sample)
 }
@@ -78,39 +80,60 @@ fn long_steps_are_short_ones() {
     let mut rough = quiet();
     rough.object.friction = 0.1;
     let mut stopped = quiet();
-    stopped.sensor.end_stop_m = 0.15e-3;
+    // It hangs at 131 um.
+    stopped.sensor.end_stop_m = 0.135e-3;
     stopped.sensor.end_stop_n_per_m = 1e6;
     let mut tilted = quiet();
     tilted.object.rotation_rad = [0.1, -0.05, 0.0];
-    for (name, scenario) in [
-        ("point", quiet()),
-        ("face", face),
-        ("yielding", yielding),
-        ("moving", moving),
-        ("round", round),
-        ("rough", rough),
-        ("stopped", stopped),
-        ("tilted", tilted),
+    // What a surface that moves or yields takes up of a ringing force is not resolved in long steps.
+    for (name, scenario, energy) in [
+        ("point", quiet(), 1e-3),
+        ("face", face, 1e-3),
+        ("yielding", yielding, 4e-2),
+        ("moving", moving, 4e-2),
+        ("round", round, 1e-3),
+        ("rough", rough, 1e-3),
+        ("stopped", stopped, 1e-3),
+        ("tilted", tilted, 1e-3),
     ] {
         let (found, sample) = run(&scenario, [1e-3, 1e-5]);
         let (exact, exact_sample) = run(&scenario, [2e-6, 2e-6]);
-        let z = |truth: &Truth| truth.tcp_deflection.translation.z;
         let largest = |all: &[Truth], of: fn(&Truth) -> f64| all.iter().map(of).fold(0.0, f64::max);
+        let z = |truth: &Truth| truth.tcp_deflection.translation.z;
         let reach = exact.iter().map(|truth| z(truth).abs()).fold(0.0, f64::max);
-        let count = found.len() as f64;
-        let off = found.iter().zip(&exact).map(|(a, b)| (z(a) - z(b)).abs()).sum::<f64>() / count / reach;
-        let (a, b) = (&found[500], &exact[500]);
-        let relative = |of: fn(&Truth) -> f64| (of(a) - of(b)) / largest(&exact, |t| t.kinetic_energy_j);
-        let errors = [
-            off,
-            largest(&found, |t| t.contact_force_peak_n) / largest(&exact, |t| t.contact_force_peak_n) - 1.0,
-            relative(|t| t.link_work_j),
-            relative(|t| t.dissipated_energy_j),
-            relative(|t| t.contact_work_j),
+        let off = found
+            .iter()
+            .zip(&exact)
+            .map(|(a, b)| (z(a) - z(b)).abs())
+            .sum::<f64>();
+        let impact = |all: &[Truth]| largest(all, |t| t.contact_force_peak_n);
+        let motion = [
+            off / found.len() as f64 / reach,
+            impact(&found) / impact(&exact) - 1.0,
             (sample - exact_sample).norm() / reach,
         ];
-        println!("{name}: deflection, impact, link, damper, contact, sample {errors:.1e?}");
-        assert!(b.contact_force.z > 1.0, "{name}: no contact at the end");
-        assert!(errors.iter().all(|error| error.abs() < 5e-3), "{name}: {errors:?}");
+        let kinetic = largest(&exact, |t| t.kinetic_energy_j);
+        let (start, a, b) = (&found[0], &found[500], &exact[500]);
+        let more = |of: fn(&Truth) -> f64| (of(a) - of(b)) / kinetic;
+        let stored = |t: &Truth| t.kinetic_energy_j + t.gravity_energy_j + t.elastic_energy_j;
+        let given_away = a.dissipated_energy_j + a.contact_work_j - a.link_work_j;
+        let energies = [
+            more(|t| t.link_work_j),
+            more(|t| t.dissipated_energy_j),
+            more(|t| t.contact_work_j),
+            (stored(a) + given_away - stored(start)) / kinetic,
+        ];
+        println!(
+            "{name}: deflection, impact, sample {motion:?}; link, damper, contact, account {energies:?}"
+        );
+        assert!(impact(&exact) > 10.0, "{name}: no impact");
+        assert!(
+            motion.iter().all(|error| error.abs() < 2e-4),
+            "{name}: {motion:?}"
+        );
+        assert!(
+            energies.iter().all(|error| error.abs() < energy),
+            "{name}: {energies:?}"
+        );
     }
 }

@@ -58,7 +58,8 @@ impl Scenario {
         // Friction is a damper for what slides slowly: as strong as the contact is pressed, in the impact of (17)
         // or later.
         let impact = self.task.approach_speed_m_per_s * (object.indentation_n_per_m / at_tcp).sqrt();
-        let friction = object.friction * impact.max(self.task.desired_force_n) / object.friction_speed_m_per_s;
+        let friction =
+            object.friction * impact.max(self.task.desired_force_n) / object.friction_speed_m_per_s;
         let springs = (sensor.stiffness_n_per_m + sensor.end_stop_n_per_m) * at_s
             + (sensor.stiffness_nm_per_rad + sensor.end_stop_nm_per_rad) / smallest
             + contact * (at_tcp + at_support)

@@ -63,7 +63,12 @@ fn a_parabolic_force_is_exact_over_a_whole_period() {
         rate[1] += force(if place == Place::Middle { 0.5 * h } else { h });
         rate
     });
-    assert!((change[0] / exact(h) - 1.0).abs() < 1e-11, "{} {}", change[0], exact(h));
+    assert!(
+        (change[0] / exact(h) - 1.0).abs() < 1e-11,
+        "{} {}",
+        change[0],
+        exact(h)
+    );
 }
 
 /// An oscillator whose spring hardens by a tenth: the error goes with the fourth power of the step, also where the
@@ -83,7 +88,9 @@ fn the_method_is_of_fourth_order() {
         let mut y = Vector::zeros();
         y[0] = 1.0;
         for _ in 0..steps {
-            y += step(&linear, [&levels[0], &levels[1]], &rate(&y), |change, _| rate(&(y + change)));
+            y += step(&linear, [&levels[0], &levels[1]], &rate(&y), |change, _| {
+                rate(&(y + change))
+            });
         }
         y[0]
     };
