@@ -117,8 +117,10 @@ impl CommandDynamics {
         })
     }
 
-    /// Simulate the robot over one period in which the set-point moves linearly to `setpoint` (rad).
-    pub fn advance(&mut self, setpoint: &Axes) {
+    /// Simulate the robot over one period in which the set-point moves linearly to `setpoint` (rad); its mean
+    /// acceleration, rad/s^2.
+    pub fn advance(&mut self, setpoint: &Axes) -> Axes {
+        let before = self.velocity;
         for axis in 0..6 {
             let change = setpoint[axis] - self.setpoint[axis];
             for tick in 0..self.period_ticks {
@@ -129,6 +131,7 @@ impl CommandDynamics {
             }
         }
         self.setpoint = *setpoint;
+        (self.velocity - before) / self.period()
     }
 
     fn period(&self) -> f64 {

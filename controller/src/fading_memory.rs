@@ -18,6 +18,8 @@ pub struct FadingMemory {
     degree: usize,
     first: f64,
     last: f64,
+    /// Velocity at the first sample.
+    expected_velocity: f64,
     state: Option<State>,
 }
 
@@ -53,11 +55,17 @@ impl FadingMemory {
             degree,
             first,
             last: last.min(first),
+            expected_velocity: 0.0,
             state: None,
         }
     }
 
-    /// Take the sample `position` of the instant `time_s`. The first one is believed fully, and to be at rest.
+    /// Expect the first sample to move with `velocity` instead of resting.
+    pub fn expect(&mut self, velocity: f64) {
+        self.expected_velocity = if self.degree > 0 { velocity } else { 0.0 };
+    }
+
+    /// Take the sample `position` of the instant `time_s`. The first one is believed fully.
     pub fn take(&mut self, time_s: f64, position: f64) {
         let Some(state) = self.state.filter(|state| {
             let gap = time_s - state.time_s;
@@ -67,7 +75,7 @@ impl FadingMemory {
                 count: 1.0,
                 time_s,
                 position,
-                velocity: 0.0,
+                velocity: self.expected_velocity,
                 acceleration: 0.0,
             });
             return;

@@ -49,6 +49,11 @@ impl Impedance {
         }
     }
 
+    /// The object moves with `rate` as the contact begins.
+    pub fn expect(&mut self, rate: f64) {
+        self.object.expect(rate);
+    }
+
     /// Take one sample in contact.
     pub fn take(&mut self, sample: &ContactSample) {
         self.object.take(sample);

@@ -6,6 +6,7 @@ use crate::impedance::Impedance;
 use crate::literal::Literal;
 use crate::object_model::ObjectModel;
 use crate::pd::Pd;
+use nalgebra::Vector3;
 use node::scenario;
 use spatial::ports::Law;
 
@@ -33,6 +34,15 @@ impl DofLaw {
             Law::Impedance => Self::Impedance(Impedance::new(&controller.impedance, dof, object())),
             Law::PdReset => Self::Pd(Pd::new(&controller.pd, dof, true)),
             _ => Self::Pd(Pd::new(&controller.pd, dof, false)),
+        }
+    }
+
+    /// The object moves with `rate` (m/s or rad/s) as the contact begins: for a law that predicts it.
+    pub fn expect(&mut self, rate: f64) {
+        match self {
+            Self::Pd(_) | Self::Literal(_) => {}
+            Self::Proposed(law) => law.expect(rate),
+            Self::Impedance(law) => law.expect(rate),
         }
     }
 
@@ -86,6 +96,13 @@ impl ForceControl {
         Self {
             selection,
             laws: std::array::from_fn(|dof| DofLaw::new(controller, dof)),
+        }
+    }
+
+    /// The object moves with `velocity` (m/s, in r) as the contact begins.
+    pub fn expect(&mut self, velocity: &Vector3<f64>) {
+        for (law, rate) in self.laws.iter_mut().zip(velocity) {
+            law.expect(*rate);
         }
     }
 

@@ -6,7 +6,7 @@
 //! | Idea | File | Paper |
 //! |---|---|---|
 //! | actual pose and deflection at the same instant | [`pairing`] | below (2) |
-//! | object seen from a distance | [`object_sensor`] | |
+//! | object expected before the contact | [`expectation`], [`approach`] | II-B, IV-C, footnote 3 |
 //! | contact or not | [`detection`] | V |
 //! | between sensor and tcp | [`transform`] | (3)-(12) |
 //! | force controlled or not, per degree of freedom | [`dofs`] | III |
@@ -25,12 +25,12 @@ pub mod contact;
 pub mod detection;
 pub mod disturbance;
 pub mod dofs;
+pub mod expectation;
 pub mod fading_memory;
 pub mod impedance;
 pub mod law;
 pub mod literal;
 pub mod object_model;
-pub mod object_sensor;
 pub mod pairing;
 pub mod pd;
 pub mod posture;
@@ -40,10 +40,10 @@ pub mod transform;
 mod motion;
 mod status;
 
+use expectation::Expectation;
 use motion::{Motion, Sample};
 use nalgebra::Vector3;
-use node::scenario::{self, Pairing, Scenario, SensorOutput};
-use object_sensor::ObjectSensor;
+use node::scenario::{self, Pairing, Scenario, SensorOutput, TaskKind};
 use pairing::EncoderHistory;
 use spatial::kinematics::{Axes, Kinematics};
 use spatial::ports::{
@@ -71,7 +71,7 @@ pub struct Controller {
     fault: Fault,
     encoders: EncoderHistory,
     newest_sample_utime: i64,
-    object_sensor: ObjectSensor,
+    expectation: Expectation,
     tare: Tare,
     start: Axes,
     /// The set-point that the axes are to reach next.
@@ -119,16 +119,19 @@ impl Controller {
                     controller.compliance_rad_per_nm,
                 ),
                 d: controller.tcp_in_s_m.into(),
-                desired: Wrench {
-                    force: Vector3::new(0.0, 0.0, scenario.task.desired_force_n),
-                    moment: scenario.task.desired_moment_nm.into(),
+                desired: match scenario.task.kind {
+                    TaskKind::Press => Wrench {
+                        force: Vector3::new(0.0, 0.0, scenario.task.desired_force_n),
+                        moment: scenario.task.desired_moment_nm.into(),
+                    },
+                    TaskKind::Position => Wrench::default(),
                 },
             },
             phase: ControllerPhase::Init,
             fault: Fault::None,
             encoders: EncoderHistory::default(),
             newest_sample_utime: i64::MIN,
-            object_sensor: ObjectSensor::default(),
+            expectation: Expectation::new(scenario),
             tare: Tare::default(),
             start: Axes::zeros(),
             commanded: Axes::zeros(),
@@ -150,7 +153,7 @@ impl Controller {
         let tick = state.stamp.step;
         self.encoders.update(state);
         if let Some(pose) = object {
-            self.object_sensor.update(pose);
+            self.expectation.take(pose);
         }
         if self.phase == ControllerPhase::Init {
             self.start = state.axis_position[0];
@@ -196,7 +199,7 @@ impl Controller {
             flags: sample.flags,
             axes,
         };
-        motion.take(&self.settings, &sample, approaching, tick);
+        motion.take(&self.settings, &self.expectation, &sample, approaching, tick);
     }
 
     /// The deflection that a sample stands for. Paper (3), (4): a sensor that outputs forces is turned back into
@@ -229,22 +232,23 @@ impl Controller {
                 self.motion = Some(Motion::new(settings, &self.tare.mean(), &self.start));
                 self.phase = ControllerPhase::Ready;
             }
-            ControllerPhase::Ready if time >= settings.task.standstill_s => {
+            ControllerPhase::Ready if time >= settings.task.standstill_s && self.expectation.ready() => {
                 self.phase = ControllerPhase::Approach;
             }
             _ => {}
         }
         let Some(motion) = &mut self.motion else { return };
-        match self.phase {
-            ControllerPhase::Approach => {
-                if motion.in_contact() {
-                    self.phase = ControllerPhase::Contact;
-                } else if motion.approached_for(tick) > motion.approach_duration() {
-                    self.phase = ControllerPhase::Fault;
-                    self.fault = Fault::NoContact;
-                }
+        let ended = match self.phase {
+            ControllerPhase::Approach | ControllerPhase::Contact => {
+                let so_far = motion.approached_for(settings, &self.expectation, tick);
+                so_far > motion.approach_duration()
             }
-            ControllerPhase::Contact | ControllerPhase::Settled => {
+            _ => false,
+        };
+        match (settings.task.kind, self.phase) {
+            (_, ControllerPhase::Approach) if motion.in_contact() => self.phase = ControllerPhase::Contact,
+            (TaskKind::Press, ControllerPhase::Approach) if ended => self.fail(Fault::NoContact),
+            (TaskKind::Press, ControllerPhase::Contact | ControllerPhase::Settled) => {
                 let error = motion.force_n() - settings.task.desired_force_n;
                 let inside = libm::fabs(error) <= settings.controller.settled_band_n;
                 let inside_s = motion.count_settled(inside) as f64 * settings.period_ticks as f64 * TICK_S;
@@ -254,24 +258,36 @@ impl Controller {
                     self.phase = ControllerPhase::Contact;
                 }
             }
+            (TaskKind::Position, ControllerPhase::Approach | ControllerPhase::Contact) => {
+                if motion.yields_by_m() > settings.task.tolerance_m {
+                    self.fail(Fault::ToleranceExceeded);
+                } else if ended {
+                    self.phase = ControllerPhase::Settled;
+                }
+            }
             _ => {}
         }
     }
 
-    /// The next set-points of the axes, one period apart. A pose that kinematics can't reach latches a fault: the
-    /// axes stay at the set-point last given.
+    fn fail(&mut self, fault: Fault) {
+        self.phase = ControllerPhase::Fault;
+        self.fault = fault;
+    }
+
+    /// The next set-points of the axes, one period apart. A pose that kinematics can't reach latches a fault. Then, and
+    /// where more is in the way than a task tolerates, the axes stay at the set-point last given.
     fn set_points(&mut self, tick: i64, actual: &Axes) -> [Axes; HORIZON] {
         self.limits = 0;
         let held = [self.commanded; HORIZON];
         let Some(motion) = &mut self.motion else {
             return held;
         };
-        if self.fault == Fault::Unreachable {
+        if matches!(self.fault, Fault::Unreachable | Fault::ToleranceExceeded) {
             return held;
         }
-        let Ok((set_points, bound)) = motion.set_points(&self.settings, tick, actual) else {
-            self.phase = ControllerPhase::Fault;
-            self.fault = Fault::Unreachable;
+        let Ok((set_points, bound)) = motion.set_points(&self.settings, &self.expectation, tick, actual)
+        else {
+            self.fail(Fault::Unreachable);
             return held;
         };
         if bound {

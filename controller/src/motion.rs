@@ -7,10 +7,12 @@ use crate::contact::{Aim, ContactSample, PREVIEW, Situation};
 use crate::detection::Detector;
 use crate::disturbance::Disturbance;
 use crate::dofs::{Dofs, NORMAL, Selection, TaskFrame, TcpCompliance, displacement};
+use crate::expectation::Expectation;
 use crate::law::{ForceControl, feeds_forward};
 use crate::posture::Posture;
 use nalgebra::Vector3;
-use spatial::kinematics::{Axes, Unreachable, join};
+use node::scenario::TaskKind;
+use spatial::kinematics::{Axes, Unreachable, join, split};
 use spatial::ports::{HORIZON, SampleFlags};
 use spatial::{Compliance, Deflection, Pose, TICK_S};
 use std::f64::consts::TAU;
@@ -24,9 +26,8 @@ pub(crate) struct Motion {
     compliance: TcpCompliance,
     /// `C f_d`.
     desired_displacement: Dofs,
-    path: Approach,
-    /// Tick at which the approach began.
-    start_tick: Option<i64>,
+    /// The way to the object, once the approach has begun.
+    path: Option<Path>,
     dynamics: CommandDynamics,
     /// Where the servos have yielded to when the next set-point begins to act.
     disturbance: Disturbance,
@@ -61,6 +62,8 @@ struct Sensed {
     normal_force_n: f64,
     /// Wrench along the selected degrees of freedom, N and Nm.
     wrench: Dofs,
+    /// How far the tcp has yielded, m.
+    yields_by_m: f64,
 }
 
 /// What a cycle has decided about the coming instants, T apart.
@@ -74,12 +77,25 @@ struct Plan {
     commanded: Dofs,
 }
 
+/// The free motion that has begun.
+#[derive(Clone, Copy, Debug)]
+struct Path {
+    approach: Approach,
+    start_tick: i64,
+    /// Where the object was expected at the start, m in r.
+    expected: Option<Vector3<f64>>,
+    /// Way over which the tcp joins the motion of the object, m.
+    free_m: f64,
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Contact {
     /// Tick of the sample that detected it.
     sample_tick: i64,
     /// Tick of the cycle that learned of it.
     cycle_tick: i64,
+    /// How far the way had led then, m.
+    distance_m: f64,
 }
 
 impl Motion {
@@ -98,7 +114,6 @@ impl Motion {
         let hanging = posture.hanging_tcp(&r_from_s);
         let frame = TaskFrame::new(hanging.rotation);
         let coordinates = frame.coordinates(&hanging);
-        let length = coordinates[NORMAL] - (task.expected_height_m - task.search_depth_m);
         let selection = Selection::new(&task.force_controlled);
         let sample = Sample {
             time_s: 0.0,
@@ -113,8 +128,7 @@ impl Motion {
             posture,
             compliance: tcp_compliance(&settings.compliance, &posture, &r_from_s, &selection),
             desired_displacement: posture.desired_displacement(),
-            path: Approach::new(length, task.approach_speed_m_per_s),
-            start_tick: None,
+            path: None,
             dynamics: CommandDynamics::new(
                 controller.filter_frequency_hz,
                 controller.filter_damping,
@@ -135,6 +149,7 @@ impl Motion {
                 r_from_ta1: hanging,
                 normal_force_n: 0.0,
                 wrench: Dofs::zeros(),
+                yields_by_m: 0.0,
             },
             plan: Plan {
                 coordinates: [coordinates; PREVIEW],
@@ -146,7 +161,14 @@ impl Motion {
     }
 
     /// Take one sample in a cycle at `tick`; a contact counts if the robot is `approaching`.
-    pub(crate) fn take(&mut self, settings: &Settings, sample: &Sample, approaching: bool, tick: i64) {
+    pub(crate) fn take(
+        &mut self,
+        settings: &Settings,
+        expectation: &Expectation,
+        sample: &Sample,
+        approaching: bool,
+        tick: i64,
+    ) {
         let r_from_s = settings.kinematics.forward(&sample.axes);
         let r_from_ta1 = self.posture.deflected_tcp(&r_from_s, &sample.deflection);
         let hanging = self.posture.hanging_tcp(&r_from_s);
@@ -158,12 +180,19 @@ impl Motion {
             r_from_ta1,
             normal_force_n,
             wrench,
+            yields_by_m: split(&displaced).0.norm(),
         };
         if approaching && self.contact.is_none() && normal_force_n > self.detector.threshold_n() {
             self.contact = Some(Contact {
                 sample_tick: sample.tick,
                 cycle_tick: tick,
+                distance_m: self
+                    .path_point(settings, tick + settings.lead() * settings.period_ticks)
+                    .distance,
             });
+            if let Some((_, velocity)) = expectation.at(sample.time_s) {
+                self.force_control.expect(&velocity);
+            }
         }
         if self.contact.is_some() {
             // Paper (12).
@@ -179,13 +208,22 @@ impl Motion {
     }
 
     /// How long the approach has lasted at `tick`, which begins with the first question, s.
-    pub(crate) fn approached_for(&mut self, tick: i64) -> f64 {
-        (tick - *self.start_tick.get_or_insert(tick)) as f64 * TICK_S
+    pub(crate) fn approached_for(
+        &mut self,
+        settings: &Settings,
+        expectation: &Expectation,
+        tick: i64,
+    ) -> f64 {
+        let start_m = self.plan.coordinates[0][NORMAL];
+        let path = self
+            .path
+            .get_or_insert_with(|| Path::new(settings, expectation, start_m, tick));
+        (tick - path.start_tick) as f64 * TICK_S
     }
 
     /// How long the approach lasts at most, s.
     pub(crate) fn approach_duration(&self) -> f64 {
-        self.path.duration()
+        self.path.map_or(0.0, |path| path.approach.duration())
     }
 
     /// Count this cycle as one with the force `inside` its band; how many there were in a row.
@@ -198,6 +236,7 @@ impl Motion {
     pub(crate) fn set_points(
         &mut self,
         settings: &Settings,
+        expectation: &Expectation,
         tick: i64,
         actual: &Axes,
     ) -> Result<([Axes; HORIZON], bool), Unreachable> {
@@ -205,7 +244,7 @@ impl Motion {
         let reached: [i64; PREVIEW] =
             std::array::from_fn(|i| tick + (settings.lead() + i as i64) * settings.period_ticks);
         let leads = feeds_forward(settings.controller.law);
-        let mut coordinates = reached.map(|tick| self.reference(settings, tick, leads));
+        let mut coordinates = reached.map(|tick| self.reference(settings, expectation, tick, leads));
         if self.contact.is_some() {
             for (all, demand) in coordinates.iter_mut().zip(self.demand(settings, &reached)) {
                 *all = self.selection.merge(&demand, all);
@@ -225,9 +264,13 @@ impl Motion {
             std::array::from_fn(|i| axes[i])
         };
         let bound = self.bound(settings, actual, &mut set_points);
-        self.dynamics.advance(&set_points[0]);
-        let acceleration = self.path_point(settings, reached[0]).acceleration;
-        self.detector.follow(acceleration, settings.period_ticks);
+        let acceleration = self.dynamics.advance(&set_points[0]);
+        if self.contact.is_none() {
+            let normal = self.along_normal(settings, &set_points[0], &acceleration);
+            self.detector.follow(normal, settings.period_ticks);
+        } else {
+            self.detector.follow(0.0, settings.period_ticks);
+        }
         let commanded = if bound {
             let r_from_s = settings.kinematics.forward(&set_points[0]);
             self.frame.coordinates(&self.posture.hanging_tcp(&r_from_s))
@@ -242,9 +285,24 @@ impl Motion {
         Ok((set_points, bound))
     }
 
-    /// Where the hanging tcp is to be at `tick` as far as no force law moves it: on the path, and in the posture that
-    /// keeps the tool's reference. What leads the robot is led here if the law is not fed forward.
-    fn reference(&self, settings: &Settings, tick: i64, fed_forward: bool) -> Dofs {
+    /// The component along the normal, of the tcp, of what the axes do (their rates or their accelerations at rest).
+    fn along_normal(&self, settings: &Settings, axes: &Axes, rates: &Axes) -> f64 {
+        let r_from_s = settings.kinematics.forward(axes);
+        let lever = self.posture.hanging_tcp(&r_from_s).translation.vector - r_from_s.translation.vector;
+        let (velocity, turning) = split(&(settings.kinematics.jacobian(axes) * rates));
+        (velocity + turning.cross(&lever))[NORMAL]
+    }
+
+    /// Where the hanging tcp is to be at `tick` as far as no force law moves it: on the way to the object and with it,
+    /// and in the posture that keeps the tool's reference. What leads the robot is led here if the law is not fed
+    /// forward.
+    fn reference(
+        &self,
+        settings: &Settings,
+        expectation: &Expectation,
+        tick: i64,
+        fed_forward: bool,
+    ) -> Dofs {
         let tilt = self.contact.map_or(PathPoint::default(), |contact| {
             let time = since(settings, contact.cycle_tick, tick);
             spread(time, settings.controller.tilt_time_s)
@@ -255,10 +313,18 @@ impl Motion {
             self.dynamics
                 .inverse(tilt.distance, tilt.speed, tilt.acceleration)
         };
+        let distance = match self.contact {
+            Some(contact) if settings.task.kind == TaskKind::Press => contact.distance_m,
+            _ => self.path_point(settings, tick).distance,
+        };
+        let shift = self.path.and_then(|path| {
+            let (now, _) = expectation.at(tick as f64 * TICK_S)?;
+            Some((now - path.expected?) * (distance / path.free_m).min(1.0))
+        });
         let mut coordinates = self
             .frame
-            .coordinates(&self.posture.reference(Vector3::zeros(), share));
-        coordinates[NORMAL] -= self.path_point(settings, tick).distance;
+            .coordinates(&self.posture.reference(shift.unwrap_or_default(), share));
+        coordinates[NORMAL] -= distance;
         coordinates
     }
 
@@ -352,9 +418,40 @@ impl Motion {
 
     /// The point of the approach where the robot is to be at `tick`.
     fn path_point(&self, settings: &Settings, tick: i64) -> PathPoint {
-        match (self.start_tick, self.contact) {
-            (Some(start), None) => self.path.at(since(settings, start, tick)),
-            _ => PathPoint::default(),
+        self.path.map_or(PathPoint::default(), |path| {
+            path.approach.at(since(settings, path.start_tick, tick))
+        })
+    }
+}
+
+impl Path {
+    /// From the height `start_m` (m) of the hanging tcp at `tick`.
+    fn new(settings: &Settings, expectation: &Expectation, start_m: f64, tick: i64) -> Self {
+        let (task, expected) = (&settings.task, &settings.controller.expected);
+        let speed = task.approach_speed_m_per_s;
+        let reached = tick + settings.lead() * settings.period_ticks;
+        let object = expectation
+            .at(reached as f64 * TICK_S)
+            .map(|(position, _)| position);
+        // What the search begins above, and the least way worth speaking of.
+        let free_m = |height_m: f64| (start_m - height_m - expected.search_margin_m).max(1e-4);
+        let (approach, free_m) = match object {
+            Some(object) => {
+                let free_m = free_m(object.z);
+                let search_m = expected.search_margin_m + task.search_depth_m;
+                let approach = Approach::with_search(free_m, speed, search_m, expected.search_speed_m_per_s);
+                (approach, free_m)
+            }
+            None => {
+                let length_m = start_m - (task.expected_height_m - task.search_depth_m);
+                (Approach::new(length_m, speed), length_m)
+            }
+        };
+        Self {
+            approach,
+            start_tick: tick,
+            expected: object,
+            free_m,
         }
     }
 }
@@ -402,6 +499,11 @@ impl Motion {
         } else {
             self.newest.normal_force_n
         }
+    }
+
+    /// How far the tcp yields to what it touches at the newest sample, m.
+    pub(crate) fn yields_by_m(&self) -> f64 {
+        self.newest.yields_by_m
     }
 
     pub(crate) fn threshold_n(&self) -> f64 {

@@ -2,7 +2,7 @@
 
 use crate::contact::{Aim, ContactSample, PREVIEW, Situation};
 use crate::fading_memory::FadingMemory;
-use node::scenario::{self, ObjectMotion};
+use node::scenario;
 
 /// The proposed law: the object's coordinate along one degree of freedom, and from there to where the desired force
 /// results.
@@ -19,18 +19,18 @@ pub struct ObjectModel {
 impl ObjectModel {
     /// No object known.
     pub fn new(parameters: &scenario::Proposed) -> Self {
-        let degree = match parameters.object_motion {
-            ObjectMotion::Fixed => 0,
-            ObjectMotion::Steady => 1,
-            ObjectMotion::Accelerated => 2,
-        };
         Self {
             object: FadingMemory::new(
-                degree,
+                parameters.object_motion.degree(),
                 parameters.object_filter_gain,
                 parameters.settled_filter_gain,
             ),
         }
+    }
+
+    /// The object moves with `rate` (m/s or rad/s) as the contact begins.
+    pub fn expect(&mut self, rate: f64) {
+        self.object.expect(rate);
     }
 
     /// Take one sample of (12) in contact.
@@ -61,6 +61,7 @@ impl ObjectModel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use node::scenario::ObjectMotion;
 
     const AIM: Aim = Aim {
         wrench: 10.0,

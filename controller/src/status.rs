@@ -74,7 +74,7 @@ impl Controller {
         }
         if let Some((pose, velocity)) = motion.object() {
             status.object_known = true;
-            status.object_pose = pose;
+            status.object_pose = pose * self.expectation.t1_from_o();
             status.object_velocity = velocity;
         }
         status

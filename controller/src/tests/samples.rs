@@ -151,23 +151,31 @@ fn a_force_sample_stands_for_the_deflection_under_it() {
     assert!((last.wrench.force.z - 10.0).abs() < 1e-6 && last.wrench.moment.norm() < 1e-6);
 }
 
-/// A pose that is published at a cycle is known from that cycle on.
+/// An approach towards an object that a non-contact sensor is to show begins once it has been seen.
 #[test]
-fn the_object_is_known_where_a_non_contact_sensor_has_seen_it_last() {
-    let scenario = Scenario::default();
+fn the_approach_waits_for_the_object_to_be_seen() {
+    let mut scenario = Scenario::default();
+    scenario.controller.expected.from = scenario::ExpectedFrom::ObjectSensor;
     let axes = scenario.start_axes().unwrap();
     let mut controller = Controller::new(&scenario);
-    controller.cycle(&state(0, axes), &undeflected(0), None);
-    assert_eq!(controller.object_sensor.newest(), None);
-    let pose = ObjectPose {
-        stamp: Stamp::lockstep(4, 1, Role::Sensor),
-        visible: true,
+    let seen = |tick: i64| ObjectPose {
+        stamp: Stamp::lockstep(tick, 1, Role::Sensor),
+        visible: tick >= 400,
         pose: spatial::Pose::translation(0.0, 0.0, 0.01),
         velocity: Vector3::zeros(),
         angular_velocity: Vector3::zeros(),
         position_sigma_m: 50e-6,
     };
-    controller.cycle(&state(4, axes), &undeflected(4), Some(&pose));
-    controller.cycle(&state(8, axes), &undeflected(8), None);
-    assert_eq!(controller.object_sensor.newest(), Some(&pose));
+    for tick in (0..=600).step_by(4) {
+        let pose = (tick % 8 == 0).then(|| seen(tick));
+        let status = controller
+            .cycle(&state(tick, axes), &undeflected(tick), pose.as_ref())
+            .status;
+        let expected = match tick {
+            ..200 => ControllerPhase::Sync,
+            200..400 => ControllerPhase::Ready,
+            _ => ControllerPhase::Approach,
+        };
+        assert_eq!(status.phase, expected, "tick {tick}");
+    }
 }

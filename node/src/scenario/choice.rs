@@ -51,6 +51,28 @@ pub enum Transform {
     Twist,
 }
 
+/// What a task is about.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TaskKind {
+    /// Approach an object and press.
+    #[default]
+    Press,
+    /// Reach a position within a tolerance, yielding to what is in the way.
+    Position,
+}
+
+/// Where the object's pose is known from before the contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ExpectedFrom {
+    /// It is not: the impact is unexpected.
+    #[default]
+    Nothing,
+    /// From a model: it is at rest at `task.expected_height_m`.
+    Model,
+    /// From the non-contact sensor.
+    ObjectSensor,
+}
+
 /// How the object is assumed to move: what its model extrapolates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ObjectMotion {
@@ -61,6 +83,17 @@ pub enum ObjectMotion {
     Steady,
     /// With an acceleration that changes slowly.
     Accelerated,
+}
+
+impl ObjectMotion {
+    /// Degree of the polynomial in time.
+    pub fn degree(self) -> usize {
+        match self {
+            Self::Fixed => 0,
+            Self::Steady => 1,
+            Self::Accelerated => 2,
+        }
+    }
 }
 
 /// What a compliant sensor puts out.
@@ -132,6 +165,8 @@ choice!(Kinematics: "gantry" => Gantry, "arm" => Arm);
 choice!(Gears: "rigid" => Rigid, "elastic" => Elastic);
 choice!(Pairing: "sampling" => Sampling, "arrival" => Arrival);
 choice!(Transform: "exact" => Exact, "twist" => Twist);
+choice!(TaskKind: "press" => Press, "position" => Position);
+choice!(ExpectedFrom: "nothing" => Nothing, "model" => Model, "object-sensor" => ObjectSensor);
 choice!(ObjectMotion: "fixed" => Fixed, "steady" => Steady, "accelerated" => Accelerated);
 choice!(SensorOutput: "deflection" => Deflection, "force" => Force);
 choice!(ToolShape: "point" => Point, "face" => Face, "peg" => Peg);

@@ -24,7 +24,10 @@ mod schema;
 mod tests;
 mod value;
 
-pub use choice::{Gears, Kinematics, ObjectMotion, Pairing, SensorOutput, TimingMode, ToolShape, Transform};
+pub use choice::{
+    ExpectedFrom, Gears, Kinematics, ObjectMotion, Pairing, SensorOutput, TaskKind, TimingMode, ToolShape,
+    Transform,
+};
 pub use error::ScenarioError;
 pub use object_sensor::ObjectSensor;
 pub use robot::Drives;
@@ -284,14 +287,18 @@ schema::section! {
 schema::section! {
     /// What is asked for.
     Task at "task" with force_controlled: ForceControlled {
+        /// What it is about.
+        kind: TaskKind = TaskKind::Press;
         /// Where the tcp starts, in r.
         start_position_m: [f64; 3] = [0.0, 0.0, 0.030], in -10.0..=10.0;
         /// Standstill before the approach.
         standstill_s: f64 = 0.25, in 0.0..=60.0;
         /// Height in r at which the object is expected.
         expected_height_m: f64 = 0.0, in -10.0..=10.0;
-        /// How far below that height to search.
+        /// How far below that height to search; a position to be reached lies there.
         search_depth_m: f64 = 0.005, in 0.0..=1.0;
+        /// How far the tcp may yield on the way to a position.
+        tolerance_m: f64 = 0.001, in 1e-6..=0.1;
         /// Speed of the approach.
         approach_speed_m_per_s: f64 = 0.020, in 0.0005..=1.0;
         /// Desired normal force.
@@ -329,7 +336,8 @@ impl ForceControlled {
 
 schema::section! {
     /// The control law and what it assumes of robot, sensor and tool.
-    Controller at "controller" with pd: Pd, proposed: Proposed, impedance: Impedance, servo: AssumedServo {
+    Controller at "controller" with pd: Pd, proposed: Proposed, impedance: Impedance, expected: Expected,
+        servo: AssumedServo {
         /// Control law.
         law: Law = Law::Proposed;
         /// Which actual pose is taken to belong to a deflection.
@@ -399,6 +407,26 @@ schema::section! {
         reference_bandwidth_hz: f64 = 35.0, in 0.1..=200.0;
         /// Whether the desired force is fed forward as a disturbance of the position control.
         disturbance_feed_forward: bool = true;
+    }
+}
+
+schema::section! {
+    /// What is known of the object before the contact.
+    Expected at "controller.expected" {
+        /// Where it is known from.
+        from: ExpectedFrom = ExpectedFrom::Nothing;
+        /// How the object is assumed to move before the contact.
+        object_motion: ObjectMotion = ObjectMotion::Steady;
+        /// Weight of a new sample of the non-contact sensor.
+        filter_gain: f64 = 0.1, in 1e-3..=1.0;
+        /// How far above the expected object the approach has slowed down.
+        search_margin_m: f64 = 0.0005, in 0.0..=0.1;
+        /// Speed of the search from there on.
+        search_speed_m_per_s: f64 = 0.002, in 1e-5..=1.0;
+        /// Origin of the object's frame, seen from the tcp that touches it.
+        object_in_tcp_m: [f64; 3] = [0.0, 0.0, 0.0], in -10.0..=10.0;
+        /// Rotation vector from the tcp's orientation to the object's then.
+        object_in_tcp_rad: [f64; 3] = [0.0, 0.0, 0.0], in -3.2..=3.2;
     }
 }
 

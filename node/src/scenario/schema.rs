@@ -288,6 +288,7 @@ mod tests {
                 "controller.proposed.object_filter_gain",
                 "controller.proposed.settled_filter_gain",
                 "controller.proposed.disturbance_feed_forward",
+                "controller.expected.filter_gain",
             ]
         );
     }

@@ -46,5 +46,7 @@ wire_enum! {
         SecondOwner = 18,
         /// A log can't be written.
         RecordFailed = 19,
+        /// The tool yields by more than the tolerance of its position.
+        ToleranceExceeded = 20,
     }
 }
