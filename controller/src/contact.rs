@@ -18,6 +18,20 @@ pub struct ContactSample {
     pub actual: f64,
     /// Contact force or moment; positive when the environment pushes the tool back.
     pub wrench: f64,
+    /// Whether the tool touches the object.
+    pub touch: Touch,
+}
+
+/// Whether the tool touches the object, once it has met it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Touch {
+    /// It does: the deflected tcp is where the object is.
+    #[default]
+    Contact,
+    /// It has left the object for a moment, as after an impact.
+    Bounce,
+    /// It has left it for longer than any bounce, or has never met it.
+    Lost,
 }
 
 /// What a law is to reach.

@@ -3,6 +3,9 @@
 /// Longest gap between two samples that is bridged, s: beyond it the filter starts anew.
 const LONGEST_GAP_S: f64 = 0.1;
 
+/// How often the memory is to be filled before the degree grows.
+const MEMORIES_PER_DEGREE: f64 = 5.0;
+
 /// A polynomial through the recent samples in the sense of least squares, each weighted by `theta` less than the
 /// next: the fading-memory filters of degree 0, 1 and 2 (e.g. Brookner, Tracking and Kalman Filtering Made Easy,
 /// table 7.2-2). All their poles lie at theta.
@@ -12,7 +15,8 @@ const LONGEST_GAP_S: f64 = 0.1;
 /// `x += (1 - theta^3) r`, `v += 1.5 (1 - theta)^2 (1 + theta) r / dt`, `a += (1 - theta)^3 r / dt^2`.
 ///
 /// The memory grows: with the n-th sample `1 - theta` falls as 1 / n, as in a mean over all samples, from `first` down
-/// to `last`.
+/// to `last`. So does the degree, by one each time that the memory, `1 / (1 - theta)` samples, has been filled five
+/// times: bounces after an impact must not become a velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FadingMemory {
     degree: usize,
@@ -71,17 +75,13 @@ impl FadingMemory {
             let gap = time_s - state.time_s;
             gap > 0.0 && gap <= LONGEST_GAP_S
         }) else {
-            self.state = Some(State {
-                count: 1.0,
-                time_s,
-                position,
-                velocity: self.expected_velocity,
-                acceleration: 0.0,
-            });
+            self.restart(time_s, position, self.expected_velocity);
             return;
         };
         let count = state.count + 1.0;
-        let [g, h, k] = self.gains((1.0 / count).clamp(self.last, self.first));
+        let fresh = (1.0 / count).clamp(self.last, self.first);
+        let filled = (count * fresh / MEMORIES_PER_DEGREE) as usize;
+        let [g, h, k] = gains(self.degree.min(filled), fresh);
         let dt = time_s - state.time_s;
         let predicted = state.at(time_s);
         let residual = position - predicted.position;
@@ -94,18 +94,15 @@ impl FadingMemory {
         });
     }
 
-    /// Of position, velocity and acceleration, for `fresh` = 1 - theta.
-    fn gains(&self, fresh: f64) -> [f64; 3] {
-        let theta = 1.0 - fresh;
-        match self.degree {
-            0 => [fresh, 0.0, 0.0],
-            1 => [1.0 - theta * theta, fresh * fresh, 0.0],
-            _ => [
-                1.0 - theta * theta * theta,
-                1.5 * fresh * fresh * (1.0 + theta),
-                fresh * fresh * fresh,
-            ],
-        }
+    /// Forget all samples; at `time_s` it is at `position` and moves with `velocity`.
+    pub fn restart(&mut self, time_s: f64, position: f64, velocity: f64) {
+        self.state = Some(State {
+            count: 1.0,
+            time_s,
+            position,
+            velocity,
+            acceleration: 0.0,
+        });
     }
 
     /// Position and velocity at `time_s`; `None` before the first sample.
@@ -125,6 +122,20 @@ impl FadingMemory {
                  position, velocity, ..
              }| (position, velocity),
         )
+    }
+}
+
+/// Of position, velocity and acceleration, for `fresh` = 1 - theta.
+fn gains(degree: usize, fresh: f64) -> [f64; 3] {
+    let theta = 1.0 - fresh;
+    match degree {
+        0 => [fresh, 0.0, 0.0],
+        1 => [1.0 - theta * theta, fresh * fresh, 0.0],
+        _ => [
+            1.0 - theta * theta * theta,
+            1.5 * fresh * fresh * (1.0 + theta),
+            fresh * fresh * fresh,
+        ],
     }
 }
 

@@ -18,13 +18,19 @@
 //! | feed-forward of the position control | [`command_dynamics`] | Fig. 2, II-B |
 //! | desired force as a disturbance of the position control | [`disturbance`] | II-B |
 //! | posture that keeps the tool's orientation | [`posture`] | (9)-(11), Fig. 5 |
+//! | zero force, and whether it drifts | [`tare`], [`drift`] | |
+//! | compliance adapted in contact | [`adaptation`] | V |
+//! | tool and sensor learnt from tilted rests, and the way through them | [`calibration`], [`tilting`] | (3), (4) |
 
+pub mod adaptation;
 pub mod approach;
+pub mod calibration;
 pub mod command_dynamics;
 pub mod contact;
 pub mod detection;
 pub mod disturbance;
 pub mod dofs;
+pub mod drift;
 pub mod expectation;
 pub mod fading_memory;
 pub mod impedance;
@@ -35,24 +41,28 @@ pub mod pairing;
 pub mod pd;
 pub mod posture;
 pub mod tare;
+pub mod tilting;
 pub mod transform;
 
 mod motion;
+mod sensing;
 mod status;
 
 use expectation::Expectation;
 use motion::{Motion, Sample};
 use nalgebra::Vector3;
-use node::scenario::{self, Pairing, Scenario, SensorOutput, TaskKind};
+use node::scenario::{self, Pairing, Scenario, TaskKind};
 use pairing::EncoderHistory;
+use sensing::Sensing;
 use spatial::kinematics::{Axes, Kinematics};
 use spatial::ports::{
     Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, HORIZON, ObjectPose,
     RobotState,
 };
-use spatial::{Compliance, Deflection, TICK_S, TICK_US, Wrench};
+use spatial::{Compliance, TICK_S, TICK_US, Wrench};
 use std::f64::consts::TAU;
-use tare::Tare;
+use tilting::Tilting;
+use transform::deflection_at_tcp;
 
 /// What one cycle brings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,11 +82,13 @@ pub struct Controller {
     encoders: EncoderHistory,
     newest_sample_utime: i64,
     expectation: Expectation,
-    tare: Tare,
+    sensing: Sensing,
     start: Axes,
     /// The set-point that the axes are to reach next.
     commanded: Axes,
     motion: Option<Motion>,
+    /// The way of a calibration, until it is done.
+    tilting: Option<Tilting>,
     limits: i32,
 }
 
@@ -98,6 +110,11 @@ impl Settings {
     fn lead(&self) -> i64 {
         self.controller.command_delay_periods + 1
     }
+
+    /// T, s.
+    fn period_s(&self) -> f64 {
+        self.period_ticks as f64 * TICK_S
+    }
 }
 
 /// How long the force must stay in its band before the contact counts as settled, s.
@@ -107,6 +124,8 @@ impl Controller {
     /// The scenario's controller, knowing nothing yet.
     pub fn new(scenario: &Scenario) -> Self {
         let controller = &scenario.controller;
+        let compliance =
+            Compliance::isotropic(controller.compliance_m_per_n, controller.compliance_rad_per_nm);
         Self {
             settings: Settings {
                 seed: scenario.timing.seed,
@@ -114,17 +133,14 @@ impl Controller {
                 task: scenario.task.clone(),
                 controller: controller.clone(),
                 kinematics: scenario.robot.kinematics(),
-                compliance: Compliance::isotropic(
-                    controller.compliance_m_per_n,
-                    controller.compliance_rad_per_nm,
-                ),
+                compliance,
                 d: controller.tcp_in_s_m.into(),
                 desired: match scenario.task.kind {
                     TaskKind::Press => Wrench {
                         force: Vector3::new(0.0, 0.0, scenario.task.desired_force_n),
                         moment: scenario.task.desired_moment_nm.into(),
                     },
-                    TaskKind::Position => Wrench::default(),
+                    TaskKind::Position | TaskKind::Calibrate => Wrench::default(),
                 },
             },
             phase: ControllerPhase::Init,
@@ -132,10 +148,11 @@ impl Controller {
             encoders: EncoderHistory::default(),
             newest_sample_utime: i64::MIN,
             expectation: Expectation::new(scenario),
-            tare: Tare::default(),
+            sensing: Sensing::new(controller, compliance),
             start: Axes::zeros(),
             commanded: Axes::zeros(),
             motion: None,
+            tilting: None,
             limits: 0,
         }
     }
@@ -161,10 +178,13 @@ impl Controller {
             self.phase = ControllerPhase::Sync;
         }
         for sample in deflections.samples.iter().rev() {
-            if self.usable(sample) && sample.utime > self.newest_sample_utime {
+            if self.sensing.usable(sample) && sample.utime > self.newest_sample_utime {
                 self.newest_sample_utime = sample.utime;
                 self.take(sample, tick);
             }
+        }
+        if let (Some(motion), Some(compliance)) = (&mut self.motion, self.sensing.adapted()) {
+            motion.plan(&self.settings, &compliance);
         }
         self.change_phase(tick);
         let axis_position = self.set_points(tick, &state.axis_position[0]);
@@ -174,40 +194,34 @@ impl Controller {
         }
     }
 
-    /// Whether a sample tells anything: it was taken, and it carries the output that is used.
-    fn usable(&self, sample: &DeflectionSample) -> bool {
-        let flags = sample.flags;
-        match self.settings.controller.sensor_output {
-            SensorOutput::Deflection => flags.valid,
-            SensorOutput::Force => flags.valid && flags.wrench_measured,
-        }
-    }
-
     /// One sample of the sensor, paired with the axes at its instant.
     fn take(&mut self, sample: &DeflectionSample, tick: i64) {
-        let deflection = self.deflection_of(sample);
+        let deflection = self.sensing.deflection(sample);
         let (axes, time_s) = self.paired_with(sample, tick);
         let Some(motion) = &mut self.motion else {
-            self.tare.add(&deflection);
+            let normal_in_s = self.settings.kinematics.forward(&self.start).rotation.inverse() * Vector3::z();
+            let at_tcp = deflection_at_tcp(&deflection, self.settings.d);
+            self.sensing
+                .take_at_rest(sample, normal_in_s.dot(&at_tcp.translation));
             return;
         };
-        let approaching = self.phase == ControllerPhase::Approach;
-        let sample = Sample {
+        let taken = Sample {
             time_s,
             tick: sample.utime / TICK_US,
             deflection,
             flags: sample.flags,
             axes,
         };
-        motion.take(&self.settings, &self.expectation, &sample, approaching, tick);
-    }
-
-    /// The deflection that a sample stands for. Paper (3), (4): a sensor that outputs forces is turned back into
-    /// one that outputs deflections, with the assumed compliance.
-    fn deflection_of(&self, sample: &DeflectionSample) -> Deflection {
-        match self.settings.controller.sensor_output {
-            SensorOutput::Deflection => sample.deflection,
-            SensorOutput::Force => self.settings.compliance * sample.wrench,
+        let approaching = self.phase == ControllerPhase::Approach;
+        motion.take(&self.settings, &self.expectation, &taken, approaching, tick);
+        match motion.contact_tick() {
+            Some(contact_tick) => {
+                let in_contact_s = (taken.tick - contact_tick) as f64 * TICK_S;
+                self.sensing.take_in_contact(sample, in_contact_s);
+            }
+            // A tilted tool hangs in another way.
+            None if self.phase == ControllerPhase::Calibrate => {}
+            None => self.sensing.take_free(motion.normal_force_n()),
         }
     }
 
@@ -228,12 +242,24 @@ impl Controller {
         let settings = &self.settings;
         let time = tick as f64 * TICK_S;
         match self.phase {
-            ControllerPhase::Sync if time >= settings.controller.tare_s && self.tare.count() > 0 => {
-                self.motion = Some(Motion::new(settings, &self.tare.mean(), &self.start));
-                self.phase = ControllerPhase::Ready;
+            ControllerPhase::Sync if time >= settings.controller.tare_s => {
+                if let Some(noise_m) = self.sensing.finish_tare() {
+                    let zero = self.sensing.zero();
+                    self.motion = Some(Motion::new(settings, &zero, noise_m, &self.start));
+                    self.tilting = Tilting::of(settings, &self.start);
+                    self.phase = ControllerPhase::Ready;
+                }
             }
-            ControllerPhase::Ready if time >= settings.task.standstill_s && self.expectation.ready() => {
-                self.phase = ControllerPhase::Approach;
+            ControllerPhase::Ready if time >= settings.task.standstill_s => match settings.task.kind {
+                TaskKind::Calibrate if self.tilting.is_some() => self.phase = ControllerPhase::Calibrate,
+                TaskKind::Press | TaskKind::Position if self.expectation.ready() => {
+                    self.phase = ControllerPhase::Approach;
+                }
+                _ => {}
+            },
+            ControllerPhase::Calibrate if self.tilting.is_some_and(|tilting| tilting.done()) => {
+                self.tilting = None;
+                self.phase = ControllerPhase::Ready;
             }
             _ => {}
         }
@@ -285,8 +311,14 @@ impl Controller {
         if matches!(self.fault, Fault::Unreachable | Fault::ToleranceExceeded) {
             return held;
         }
-        let Ok((set_points, bound)) = motion.set_points(&self.settings, &self.expectation, tick, actual)
-        else {
+        let settings = &self.settings;
+        let answer = match &mut self.tilting {
+            Some(tilting) if self.phase == ControllerPhase::Calibrate => {
+                tilting.set_points(settings, actual, &self.commanded)
+            }
+            _ => motion.set_points(settings, &self.expectation, tick, actual),
+        };
+        let Ok((set_points, bound)) = answer else {
             self.fail(Fault::Unreachable);
             return held;
         };

@@ -49,6 +49,7 @@ mod tests {
             object: actual + aim.compliance * wrench,
             actual,
             wrench,
+            ..Default::default()
         });
         let expected = actual + aim.compliance * (wrench - aim.wrench);
         assert!((law.set_point(&aim, 0.5) - expected).abs() < 1e-15);

@@ -3,7 +3,7 @@
 use crate::Settings;
 use crate::approach::{Approach, PathPoint, spread};
 use crate::command_dynamics::CommandDynamics;
-use crate::contact::{Aim, ContactSample, PREVIEW, Situation};
+use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch};
 use crate::detection::Detector;
 use crate::disturbance::Disturbance;
 use crate::dofs::{Dofs, NORMAL, Selection, TaskFrame, TcpCompliance, displacement};
@@ -17,11 +17,16 @@ use spatial::ports::{HORIZON, SampleFlags};
 use spatial::{Compliance, Deflection, Pose, TICK_S};
 use std::f64::consts::TAU;
 
+/// How long the tool stays in the air after an impact at most (PLANT.md section 7: some 5 ms).
+const LONGEST_BOUNCE_TICKS: i64 = 30;
+
 /// Everything that exists only once the tare is known.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
     frame: TaskFrame,
     selection: Selection,
+    /// The sensor frame at the start.
+    r_from_s: Pose,
     posture: Posture,
     compliance: TcpCompliance,
     /// `C f_d`.
@@ -34,6 +39,8 @@ pub(crate) struct Motion {
     detector: Detector,
     force_control: ForceControl,
     contact: Option<Contact>,
+    /// Tick of the newest sample in contact.
+    touched_tick: i64,
     newest: Sensed,
     plan: Plan,
     settled_cycles: i64,
@@ -77,6 +84,10 @@ struct Plan {
     commanded: Dofs,
 }
 
+/// The least detection threshold, in standard deviations of the noise: whatever compliance is assumed, noise is no
+/// contact. Three false alarms in a million samples.
+const ABOVE_NOISE: f64 = 4.5;
+
 /// The free motion that has begun.
 #[derive(Clone, Copy, Debug)]
 struct Path {
@@ -99,8 +110,9 @@ struct Contact {
 }
 
 impl Motion {
-    /// At rest at the axes `start`, with the deflection `tare` there.
-    pub(crate) fn new(settings: &Settings, tare: &Deflection, start: &Axes) -> Self {
+    /// At rest at the axes `start`, with the deflection `tare` there, which shows a noise of `noise_m` (m rms) along the
+    /// normal.
+    pub(crate) fn new(settings: &Settings, tare: &Deflection, noise_m: f64, start: &Axes) -> Self {
         let (controller, task) = (&settings.controller, &settings.task);
         let r_from_s = settings.kinematics.forward(start);
         let posture = Posture::new(
@@ -122,11 +134,20 @@ impl Motion {
             flags: SampleFlags::default(),
             axes: *start,
         };
+        let compliance = tcp_compliance(&settings.compliance, &posture, &r_from_s, &selection);
+        let noise_n = noise_m / compliance.along(NORMAL);
+        // What the tool's inertia deflects looks like as much more force as the sensor is softer than assumed.
+        let softer = if controller.adaptation.enabled {
+            controller.adaptation.maximum_ratio
+        } else {
+            1.0
+        };
         Self {
             frame,
             selection,
+            r_from_s,
             posture,
-            compliance: tcp_compliance(&settings.compliance, &posture, &r_from_s, &selection),
+            compliance,
             desired_displacement: posture.desired_displacement(),
             path: None,
             dynamics: CommandDynamics::new(
@@ -138,12 +159,13 @@ impl Motion {
             ),
             disturbance: Disturbance::new(&controller.servo),
             detector: Detector::new(
-                controller.detection_threshold_n,
-                controller.apparent_mass_kg,
+                controller.detection_threshold_n.max(ABOVE_NOISE * noise_n),
+                controller.apparent_mass_kg * softer,
                 controller.detection_fading_s,
             ),
             force_control: ForceControl::new(controller, selection),
             contact: None,
+            touched_tick: 0,
             newest: Sensed {
                 sample,
                 r_from_ta1: hanging,
@@ -158,6 +180,14 @@ impl Motion {
             },
             settled_cycles: 0,
         }
+    }
+
+    /// Plan the contact anew with another `compliance` of the sensor; without bump if it changes as slowly as the
+    /// posture is taken.
+    pub(crate) fn plan(&mut self, settings: &Settings, compliance: &Compliance) {
+        self.posture.plan(compliance, &settings.desired);
+        self.compliance = tcp_compliance(compliance, &self.posture, &self.r_from_s, &self.selection);
+        self.desired_displacement = self.posture.desired_displacement();
     }
 
     /// Take one sample in a cycle at `tick`; a contact counts if the robot is `approaching`.
@@ -195,6 +225,7 @@ impl Motion {
             }
         }
         if self.contact.is_some() {
+            let touch = self.touch(settings, sample.tick);
             // Paper (12).
             let object = self.frame.coordinates(&r_from_ta1);
             let actual = self.frame.coordinates(&hanging);
@@ -203,7 +234,24 @@ impl Motion {
                 object: object[dof],
                 actual: actual[dof],
                 wrench: wrench[dof],
+                touch,
             });
+        }
+    }
+
+    /// Whether the newest sample, of `tick`, was taken in contact. Half of a small desired force is contact, too.
+    fn touch(&mut self, settings: &Settings, tick: i64) -> Touch {
+        let least_n = settings
+            .controller
+            .detection_threshold_n
+            .min(0.5 * settings.task.desired_force_n);
+        if self.newest.normal_force_n >= least_n {
+            self.touched_tick = tick;
+        }
+        match tick - self.touched_tick {
+            0 => Touch::Contact,
+            ..=LONGEST_BOUNCE_TICKS => Touch::Bounce,
+            _ => Touch::Lost,
         }
     }
 

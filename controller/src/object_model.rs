@@ -1,6 +1,6 @@
 //! The object as the sensor sees it: eqs. (2) and (12) as a model that is measured once and then refined.
 
-use crate::contact::{Aim, ContactSample, PREVIEW, Situation};
+use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch};
 use crate::fading_memory::FadingMemory;
 use node::scenario;
 
@@ -33,9 +33,15 @@ impl ObjectModel {
         self.object.expect(rate);
     }
 
-    /// Take one sample of (12) in contact.
+    /// Take one sample of (12) in contact. In a bounce it says nothing of the object: the tool's own motion would be
+    /// taken for the object's. Where the contact is lost, the object is taken to begin at the tool, at rest, so that
+    /// the tool advances no faster than `C f_d` lets it until it meets the object again.
     pub fn take(&mut self, sample: &ContactSample) {
-        self.object.take(sample.time_s, sample.object);
+        match sample.touch {
+            Touch::Contact => self.object.take(sample.time_s, sample.object),
+            Touch::Bounce => {}
+            Touch::Lost => self.object.restart(sample.time_s, sample.object, 0.0),
+        }
     }
 
     /// The object's coordinate and its rate; `None` before the first contact.
@@ -101,6 +107,25 @@ mod tests {
         for desired in object.desired(&AIM, &situation()) {
             assert!((desired - (0.0101 - 280e-6)).abs() < 1e-15);
         }
+    }
+
+    #[test]
+    fn a_bounce_tells_nothing_and_a_lost_object_begins_at_the_tool() {
+        let mut object = ObjectModel::new(&scenario::Proposed {
+            object_motion: ObjectMotion::Steady,
+            ..Default::default()
+        });
+        object.expect(0.02);
+        object.take(&met(0.5, 0.010));
+        let mut bounced = |time, touch| {
+            object.take(&ContactSample {
+                touch,
+                ..met(time, 0.011)
+            });
+            object.object()
+        };
+        assert_eq!(bounced(0.501, Touch::Bounce), Some((0.010, 0.02)));
+        assert_eq!(bounced(0.502, Touch::Lost), Some((0.011, 0.0)));
     }
 
     #[test]

@@ -13,6 +13,8 @@ use spatial::{Deflection, Pose, Wrench};
 pub(crate) const LIMIT_LEAD: i32 = 1;
 /// The bit that says that the sensor is at the end of its range.
 const LIMIT_DEFLECTION: i32 = 32;
+/// The bit that says that, before contact, the sensor shows a force that it should not.
+const LIMIT_DRIFT: i32 = 64;
 
 impl Controller {
     pub(crate) fn command(&self, tick: i64, axis_position: [Axes; HORIZON]) -> Command {
@@ -44,9 +46,9 @@ impl Controller {
                 threshold_n: settings.controller.detection_threshold_n,
                 contact_step: -1,
             },
-            compliance: settings.compliance,
-            compliance_confidence: 0.0,
-            tare: self.tare.mean(),
+            compliance: self.sensing.compliance(),
+            compliance_confidence: self.sensing.confidence(),
+            tare: self.sensing.zero(),
             impact: ImpactAssessment::default(),
             gain_margin: 0.0,
             phase_margin_rad: 0.0,
@@ -58,6 +60,9 @@ impl Controller {
             task_parameter: -1,
             task_limit: 0.0,
         };
+        if let Some(rest) = self.tilting.and_then(|tilting| tilting.measuring(settings)) {
+            status.program_step = rest as i32;
+        }
         let Some(motion) = &self.motion else {
             return status;
         };
@@ -65,7 +70,10 @@ impl Controller {
         status.wrench = self.contact_wrench(motion.deflection());
         status.detection.statistic_n = motion.normal_force_n();
         status.detection.threshold_n = motion.threshold_n();
-        status.force_error_n = motion.force_n() - settings.task.desired_force_n;
+        status.force_error_n = motion.force_n() - settings.desired.force.z;
+        if self.sensing.drifts() {
+            status.limits |= LIMIT_DRIFT;
+        }
         if motion.saturated() {
             status.limits |= LIMIT_DEFLECTION;
         }
@@ -82,8 +90,8 @@ impl Controller {
 
     /// The wrench at the tcp that the deflection beyond the tare stands for: (3)-(6) solved for the tcp.
     fn contact_wrench(&self, deflection: &Deflection) -> Wrench {
-        let contact_only = *deflection - self.tare.mean();
-        let compliance = &self.settings.compliance;
+        let contact_only = *deflection - self.sensing.zero();
+        let compliance = self.sensing.compliance();
         let solve =
             |c: &nalgebra::Matrix3<f64>, v: Vector3<f64>| c.try_inverse().map_or(Vector3::zeros(), |i| i * v);
         let force = solve(&compliance.translation, contact_only.translation);

@@ -1,10 +1,13 @@
 //! The controller on a robot and a sensor that do as the test says.
 
+mod compliance;
 mod laws;
 mod phases;
 mod samples;
 
 use super::*;
+use node::scenario::SensorOutput;
+use spatial::Deflection;
 use spatial::ports::{Authenticity, ClockEcho, ENCODER_SAMPLES, RobotMode, Role, SampleFlags, Stamp};
 
 fn state(tick: i64, axes: Axes) -> RobotState {

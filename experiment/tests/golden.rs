@@ -32,17 +32,25 @@ fn hash(overrides: &[&str]) -> String {
 /// a law changes these: say in the commit why.
 #[test]
 fn the_papers_experiment() {
-    let pinned: [(&[&str], &str); 5] = [
-        (&["controller.law=pd"], "746b20abae001474224b88f338853594"),
-        (&["controller.law=proposed"], "169c2173d85a370074dbfadc5c5a4421"),
-        (&["controller.law=literal"], "d97b04c0d6515c64e4e0a1f60c8bea8b"),
+    let pinned: [(&[&str], &str); 6] = [
+        (&["controller.law=pd"], "7995ff17a245856b696c22fc2d00517f"),
+        (&["controller.law=proposed"], "a6c9c444f37604eb4f0c0696c6d34cc6"),
+        (&["controller.law=literal"], "861029a734b419c723b14e76a315a99e"),
         (
             &["controller.law=pd", "controller.pairing=arrival"],
-            "f8d3a2066e867833d98420ed8cdb9806",
+            "832a6de18af388a00b30c1a52d282a71",
         ),
         (
             &["robot.kinematics=arm", "robot.gears=elastic"],
-            "682b45208c4a443399f9d3ba51e2b359",
+            "eaffffb06f56e80666237bee7780e081",
+        ),
+        (
+            &[
+                "sensor.wrench_measured=true",
+                "controller.adaptation.enabled=true",
+                "controller.compliance_rad_per_nm=5e-3",
+            ],
+            "e4df0e6850f2919f0f338f3bbea867e2",
         ),
     ];
     let found = pinned.map(|(overrides, _)| (overrides, hash(overrides)));

@@ -88,6 +88,41 @@ impl Mul<Wrench> for Compliance {
     }
 }
 
+/// Sum of two wrenches at the same frame.
+impl Add for Wrench {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            force: self.force + other.force,
+            moment: self.moment + other.moment,
+        }
+    }
+}
+
+/// Difference of two wrenches at the same frame: contact-only wrench = total - tare.
+impl Sub for Wrench {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        Self {
+            force: self.force - other.force,
+            moment: self.moment - other.moment,
+        }
+    }
+}
+
+impl Mul<f64> for Wrench {
+    type Output = Self;
+
+    fn mul(self, factor: f64) -> Self {
+        Self {
+            force: self.force * factor,
+            moment: self.moment * factor,
+        }
+    }
+}
+
 /// Sum of two small deflections, to first order (rotation vectors add).
 impl Add for Deflection {
     type Output = Self;

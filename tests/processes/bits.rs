@@ -2,7 +2,7 @@
 
 use experiment::launch;
 use experiment::transcript::{self, Entry};
-use spatial::ports::ObjectPose;
+use spatial::ports::{ControllerStatus, ObjectPose};
 use tests::{Bench, Impairment, Relay};
 
 /// Returns what was said.
@@ -45,6 +45,20 @@ fn the_pd_law_with_another_period_and_seed() {
         "timing.seed=42",
     ];
     assert_same_bits(&Bench::new(&changes).unwrap());
+}
+
+/// What is learnt in contact goes back into the law.
+#[test]
+fn an_adapted_compliance() {
+    let changes = [
+        "sensor.wrench_measured=true",
+        "controller.adaptation.enabled=true",
+        "controller.compliance_rad_per_nm=5e-3",
+        "task.start_position_m=[0, 0, 0.014]",
+    ];
+    let said = assert_same_bits(&Bench::new(&changes).unwrap());
+    let last = transcript::messages::<ControllerStatus>(&said).last().unwrap();
+    assert!(last.compliance_confidence > 0.9 && last.compliance.rotation[(1, 1)] < 2.6e-3);
 }
 
 #[test]

@@ -59,6 +59,8 @@ pub enum TaskKind {
     Press,
     /// Reach a position within a tolerance, yielding to what is in the way.
     Position,
+    /// Rest in tilted orientations, without contact, to learn what sensor and tool are.
+    Calibrate,
 }
 
 /// Where the object's pose is known from before the contact.
@@ -165,7 +167,7 @@ choice!(Kinematics: "gantry" => Gantry, "arm" => Arm);
 choice!(Gears: "rigid" => Rigid, "elastic" => Elastic);
 choice!(Pairing: "sampling" => Sampling, "arrival" => Arrival);
 choice!(Transform: "exact" => Exact, "twist" => Twist);
-choice!(TaskKind: "press" => Press, "position" => Position);
+choice!(TaskKind: "press" => Press, "position" => Position, "calibrate" => Calibrate);
 choice!(ExpectedFrom: "nothing" => Nothing, "model" => Model, "object-sensor" => ObjectSensor);
 choice!(ObjectMotion: "fixed" => Fixed, "steady" => Steady, "accelerated" => Accelerated);
 choice!(SensorOutput: "deflection" => Deflection, "force" => Force);

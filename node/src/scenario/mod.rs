@@ -9,6 +9,7 @@
 //! (`[controller]`) are separate entries, so that every claim about a wrong compliance, delay, mass or gear can be
 //! tested.
 
+mod adaptation;
 mod check;
 mod choice;
 mod error;
@@ -24,6 +25,7 @@ mod schema;
 mod tests;
 mod value;
 
+pub use adaptation::Adaptation;
 pub use choice::{
     ExpectedFrom, Gears, Kinematics, ObjectMotion, Pairing, SensorOutput, TaskKind, TimingMode, ToolShape,
     Transform,
@@ -305,6 +307,10 @@ schema::section! {
         desired_force_n: f64 = 10.0, in 0.1..=1e5;
         /// Desired moment about the tcp's x, y and z, in r; where that degree of freedom is force controlled.
         desired_moment_nm: [f64; 3] = [0.0, 0.0, 0.0], in -1e4..=1e4;
+        /// How far a calibration tilts the tool about its tcp.
+        calibration_tilt_rad: f64 = 0.3, in 0.01..=1.5;
+        /// How long a calibration rests in each orientation; over the second half it measures.
+        calibration_rest_s: f64 = 1.0, in 0.02..=60.0;
     }
 }
 
@@ -337,7 +343,7 @@ impl ForceControlled {
 schema::section! {
     /// The control law and what it assumes of robot, sensor and tool.
     Controller at "controller" with pd: Pd, proposed: Proposed, impedance: Impedance, expected: Expected,
-        servo: AssumedServo {
+        servo: AssumedServo, adaptation: Adaptation {
         /// Control law.
         law: Law = Law::Proposed;
         /// Which actual pose is taken to belong to a deflection.
@@ -354,6 +360,10 @@ schema::section! {
         compliance_rad_per_nm: f64 = 2.4933303e-3, in 1e-7..=10.0;
         /// Assumed tool centre point in s.
         tcp_in_s_m: [f64; 3] = [0.10, 0.0, -0.15], in -5.0..=5.0;
+        /// Known mass of the tool, which a calibration needs if no wrench is measured; 0: not known.
+        tool_mass_kg: f64 = 4.0, in 0.0..=1e4;
+        /// Known centre of mass in s, which it needs too then; zero: not known.
+        tool_centre_of_mass_in_s_m: [f64; 3] = [0.03, 0.0, -0.06], in -5.0..=5.0;
         /// Assumed corner of the sensor's low pass.
         sensor_bandwidth_hz: f64 = 200.0, in 1.0..=5000.0;
         /// Assumed periods T from a command to its effect.
@@ -371,6 +381,8 @@ schema::section! {
         apparent_mass_kg: f64 = 4.0, in 0.0..=1e5;
         /// How fast that rise fades: as long as tool and gears ring on.
         detection_fading_s: f64 = 0.2, in 1e-3..=10.0;
+        /// Slow force that the sensor may show before contact, since the tare; beyond, its drift is published.
+        drift_limit_n: f64 = 0.4, in 1e-3..=1e4;
         /// Deviation from the desired force within which the force counts as settled.
         settled_band_n: f64 = 0.5, in 1e-3..=1e4;
         /// Time over which the tilt to the desired posture is spread after contact.

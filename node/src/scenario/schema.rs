@@ -289,6 +289,10 @@ mod tests {
                 "controller.proposed.settled_filter_gain",
                 "controller.proposed.disturbance_feed_forward",
                 "controller.expected.filter_gain",
+                "controller.adaptation.enabled",
+                "controller.adaptation.gain",
+                "controller.adaptation.minimum_ratio",
+                "controller.adaptation.maximum_ratio",
             ]
         );
     }

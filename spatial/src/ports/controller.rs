@@ -27,6 +27,8 @@ wire_enum! {
         Retract = 6,
         /// Holding after a fault.
         Fault = 7,
+        /// Tilting the tool to learn what sensor and tool are.
+        Calibrate = 8,
     }
 }
 
@@ -122,9 +124,9 @@ pub struct ControllerStatus {
     pub phase_margin_rad: f64,
     /// Amplitude of an observed oscillation, N.
     pub oscillation_n: f64,
-    /// Limits that bind, a bit each: 1 lead, 2 velocity, 4 acceleration, 8 workspace, 16 axis, 32 deflection.
+    /// Limits that bind, a bit each: 1 lead, 2 velocity, 4 acceleration, 8 workspace, 16 axis, 32 deflection, 64 drift.
     pub limits: i32,
-    /// Index of the program step, -1: no program.
+    /// Index of the program step, -1: no program. While calibrating: of the rest that is measured, -1: none.
     pub program_step: i32,
     /// `step` of the task message answered last.
     pub task_step: i64,

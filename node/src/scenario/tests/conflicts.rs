@@ -205,6 +205,16 @@ fn force_output_needs_a_measured_wrench() {
 }
 
 #[test]
+fn adaptation_needs_a_measured_wrench() {
+    assert_eq!(
+        refusal("controller.adaptation.enabled = true", &[]),
+        "a.toml:1:23: controller.adaptation.enabled is true, but the sensor measures no wrench, and the compliance \
+         can't be learnt from the deflection alone; set sensor.wrench_measured = true or \
+         controller.adaptation.enabled = false"
+    );
+}
+
+#[test]
 fn an_object_pose_comes_with_a_cycle_of_the_controller() {
     assert_eq!(
         refusal("[object_sensor]\nenabled = true\nperiod_ticks = 10", &[]),
