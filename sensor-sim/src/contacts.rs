@@ -114,14 +114,18 @@ impl Contacts {
         &self.object
     }
 
-    /// The load on the tool in `state`, whose orientation is `r_from_s1`; memories stay as they are. With `pieces`,
-    /// each point's law is the formula of its piece.
-    pub fn load(
+    /// The load on the tool in `state`, whose orientation is `r_from_s1`; memories stay as they are.
+    pub fn load(&self, state: &State, r_from_s1: &Rotation3<f64>, base: &Base) -> Load {
+        self.load_on(None, state, r_from_s1, base)
+    }
+
+    /// The same with the formulas of `pieces` in the laws' place.
+    pub fn load_on(
         &self,
+        pieces: Option<&Pieces>,
         state: &State,
         r_from_s1: &Rotation3<f64>,
         base: &Base,
-        pieces: Option<&Pieces>,
     ) -> Load {
         let mut load = Load::default();
         for (i, Point { offset, contact }) in self.points.iter().enumerate() {

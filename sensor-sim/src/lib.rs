@@ -125,7 +125,7 @@ impl SensorSim {
 
     fn contact_force(&self, base: &Base) -> Vector3<f64> {
         let rotation = self.state.rotation.to_rotation_matrix();
-        self.contacts.load(&self.state, &rotation, base, None).force
+        self.contacts.load(&self.state, &rotation, base).force
     }
 
     fn outputs(&mut self, tick: i64) -> Outputs {

@@ -201,7 +201,7 @@ impl Body {
         let com = rotation * self.centre_of_mass;
         let plate = self.plate_behind(state, &-com);
         let Wrench { force, moment } = self.suspension.wrench_on_tool(link, &plate);
-        let contact = contacts.load(state, &rotation, base, pieces);
+        let contact = contacts.load_on(pieces, state, &rotation, base);
 
         let w = state.angular_velocity;
         let torque = rotation.inverse_transform_vector(&(moment - com.cross(&force) + contact.moment));

@@ -77,6 +77,7 @@ fn simulation(args: &SimulationArgs) -> Result<ExitCode> {
         rates
     };
     let rates = rates_of(&|| in_process::run(&scenario, |_| ()));
+    // Each part on what the others have said.
     let us_per_tick = |part: Part| 1e6 / median(&rates_of(&|| in_process::replay(part, &scenario, &said)));
     let median = median(&rates);
     let report = Report {

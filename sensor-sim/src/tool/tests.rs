@@ -42,7 +42,7 @@ fn simulate(
     for _ in 0..steps {
         state = body.integrate(&state, [&now; 3], contacts, step).0;
         let force = contacts
-            .load(&state, &state.rotation.to_rotation_matrix(), &now.base, None)
+            .load(&state, &state.rotation.to_rotation_matrix(), &now.base)
             .force;
         see(&state, contacts.deepest(&state, &now.base).indentation_m, force.z);
         contacts.remember(&state, &now.base);
