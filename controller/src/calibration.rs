@@ -10,9 +10,9 @@
 //! | translation, paper (3) | `p = C_p M g + p_0` | C_p M, p_0 |
 //! | rotation, paper (4) | `phi = C_phi ((E c) x M g) + phi_0` | C_phi M c, phi_0 |
 //!
-//! So each row is a linear least-squares problem of its own, of one of two kinds ([`along_gravity`],
-//! [`across_gravity`]), and the quotients give C_p, C_phi and c. E needs phi without its bias: the last row is
-//! repeated with the bias just found, a contraction by the sag's angle.
+//! So each row is a linear least-squares problem of its own, of one of two kinds (along and across gravity), and the
+//! quotients give C_p, C_phi and c. E needs phi without its bias: the last row is repeated with the bias just found, a
+//! contraction by the sag's angle.
 //!
 //! What can be learnt: turning about the vertical leaves g in s as it is, and with it every bias inseparable; tilting
 //! about one axis alone leaves the part of c along that axis in the dark. The rests have to tilt about two axes.

@@ -101,6 +101,7 @@ mod tests {
         scenario.controller.expected = Expected {
             from: ExpectedFrom::ObjectSensor,
             object_motion: ObjectMotion::Steady,
+            filter_gain: 0.1,
             object_in_tcp_m: offset_m,
             ..Expected::default()
         };

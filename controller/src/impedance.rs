@@ -6,11 +6,11 @@ use node::scenario;
 use spatial::TICK_S;
 
 /// Paper, section II: a task specified as an impedance smooths the motion. The tcp moves as
-/// `M x'' + D x' + K (x - x_0) = f - f_d` along one degree of freedom, x_0 where the contact was met.
+/// `M x'' + D x' + K (x - x_0) = f - f_d` along one degree of freedom, x_0 where the object was met.
 ///
 /// The force f is not the measured one but that of the object's model at x, `f = (x_o - x) / C`: no delay of the
 /// sensor acts inside the loop, so that any positive M, D and K are stable, unlike admittance control.
-/// With K = 0 it ends where (2) does; with K > 0 the spring takes its share of the desired force.
+/// With K = 0 it ends where (2) does; with K > 0 the spring takes its share: `f = f_d / (1 + K C)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impedance {
     object: ObjectModel,
@@ -66,11 +66,12 @@ impl Impedance {
 
     /// The motion at the coming instants; it takes over from where the tcp is and how it moves.
     pub fn desired(&mut self, aim: &Aim, situation: &Situation) -> [f64; PREVIEW] {
-        let mut state = *self.state.get_or_insert(State {
+        let met = State {
             position: situation.desired,
             velocity: situation.desired_rate,
-            rest: situation.desired,
-        });
+            rest: self.object().map_or(situation.desired, |(object, _)| object),
+        };
+        let mut state = *self.state.get_or_insert(met);
         std::array::from_fn(|i| {
             if let Some(object) = self.object.at(situation.reached_s[i]) {
                 state = self.moved(state, object, aim, situation.period_s);

@@ -1,7 +1,7 @@
 //! The outer loop of the paper's Fig. 2: from encoder and sensor values to the commanded pose.
 //!
 //! Pure: a [`Controller`] takes the robot's state and the sensors' samples of a cycle and answers with a command
-//! and its status. It sees only what a real one would. The only home of eqs. (1)-(12); each file is one idea:
+//! and its status. It sees only what a real one would. The only home of eqs. (1)-(18); each file is one idea:
 //!
 //! | Idea | File | Paper |
 //! |---|---|---|
@@ -21,6 +21,7 @@
 //! | zero force, and whether it drifts | [`tare`], [`drift`] | |
 //! | compliance adapted in contact | [`adaptation`] | V |
 //! | tool and sensor learnt from tilted rests, and the way through them | [`calibration`], [`tilting`] | (3), (4) |
+//! | assessment of the impact | [`impact`] | (13)-(18), footnote 9 |
 
 pub mod adaptation;
 pub mod approach;
@@ -33,6 +34,7 @@ pub mod dofs;
 pub mod drift;
 pub mod expectation;
 pub mod fading_memory;
+pub mod impact;
 pub mod impedance;
 pub mod law;
 pub mod literal;

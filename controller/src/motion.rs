@@ -8,12 +8,13 @@ use crate::detection::Detector;
 use crate::disturbance::Disturbance;
 use crate::dofs::{Dofs, NORMAL, Selection, TaskFrame, TcpCompliance, displacement};
 use crate::expectation::Expectation;
+use crate::impact::ImpactMonitor;
 use crate::law::{ForceControl, feeds_forward};
 use crate::posture::Posture;
 use nalgebra::Vector3;
 use node::scenario::TaskKind;
 use spatial::kinematics::{Axes, Unreachable, join, split};
-use spatial::ports::{HORIZON, SampleFlags};
+use spatial::ports::{HORIZON, ImpactAssessment, SampleFlags};
 use spatial::{Compliance, Deflection, Pose, TICK_S};
 use std::f64::consts::TAU;
 
@@ -38,6 +39,8 @@ pub(crate) struct Motion {
     disturbance: Disturbance,
     detector: Detector,
     force_control: ForceControl,
+    /// `None` where no assessment can be made of what is assumed, which no scenario allows.
+    impact: Option<ImpactMonitor>,
     contact: Option<Contact>,
     /// Tick of the newest sample in contact.
     touched_tick: i64,
@@ -127,6 +130,7 @@ impl Motion {
         let frame = TaskFrame::new(hanging.rotation);
         let coordinates = frame.coordinates(&hanging);
         let selection = Selection::new(&task.force_controlled);
+        let impact = ImpactMonitor::new(controller, task, hanging.rotation.inverse() * Vector3::z()).ok();
         let sample = Sample {
             time_s: 0.0,
             tick: 0,
@@ -164,6 +168,7 @@ impl Motion {
                 controller.detection_fading_s,
             ),
             force_control: ForceControl::new(controller, selection),
+            impact,
             contact: None,
             touched_tick: 0,
             newest: Sensed {
@@ -212,6 +217,13 @@ impl Motion {
             wrench,
             yields_by_m: split(&displaced).0.norm(),
         };
+        if let Some(impact) = &mut self.impact {
+            let heights = [&r_from_ta1, &hanging].map(|pose| pose.translation.vector[NORMAL]);
+            let object = expectation
+                .at(sample.time_s)
+                .map(|(_, velocity)| velocity[NORMAL]);
+            impact.take(sample.time_s, heights, object.unwrap_or(0.0));
+        }
         if approaching && self.contact.is_none() && normal_force_n > self.detector.threshold_n() {
             self.contact = Some(Contact {
                 sample_tick: sample.tick,
@@ -220,6 +232,9 @@ impl Motion {
                     .path_point(settings, tick + settings.lead() * settings.period_ticks)
                     .distance,
             });
+            if let Some(impact) = &mut self.impact {
+                impact.contact();
+            }
             if let Some((_, velocity)) = expectation.at(sample.time_s) {
                 self.force_control.expect(&velocity);
             }
@@ -263,9 +278,10 @@ impl Motion {
         tick: i64,
     ) -> f64 {
         let start_m = self.plan.coordinates[0][NORMAL];
+        let impact = self.impact.as_ref();
         let path = self
             .path
-            .get_or_insert_with(|| Path::new(settings, expectation, start_m, tick));
+            .get_or_insert_with(|| Path::new(settings, expectation, impact, start_m, tick));
         (tick - path.start_tick) as f64 * TICK_S
     }
 
@@ -473,10 +489,17 @@ impl Motion {
 }
 
 impl Path {
-    /// From the height `start_m` (m) of the hanging tcp at `tick`.
-    fn new(settings: &Settings, expectation: &Expectation, start_m: f64, tick: i64) -> Self {
+    /// From the height `start_m` (m) of the hanging tcp at `tick`, no faster than `impact` allows.
+    fn new(
+        settings: &Settings,
+        expectation: &Expectation,
+        impact: Option<&ImpactMonitor>,
+        start_m: f64,
+        tick: i64,
+    ) -> Self {
         let (task, expected) = (&settings.task, &settings.controller.expected);
-        let speed = task.approach_speed_m_per_s;
+        let allowed = |speed: f64| impact.map_or(speed, |impact| impact.allowed_speed_m_per_s(speed));
+        let speed = allowed(task.approach_speed_m_per_s);
         let reached = tick + settings.lead() * settings.period_ticks;
         let object = expectation
             .at(reached as f64 * TICK_S)
@@ -487,7 +510,8 @@ impl Path {
             Some(object) => {
                 let free_m = free_m(object.z);
                 let search_m = expected.search_margin_m + task.search_depth_m;
-                let approach = Approach::with_search(free_m, speed, search_m, expected.search_speed_m_per_s);
+                let approach =
+                    Approach::with_search(free_m, speed, search_m, allowed(expected.search_speed_m_per_s));
                 (approach, free_m)
             }
             None => {
@@ -560,6 +584,22 @@ impl Motion {
 
     pub(crate) fn saturated(&self) -> bool {
         self.newest.sample.flags.saturated
+    }
+
+    /// The impact that the present speed would cause, or that of the contact.
+    pub(crate) fn impact(&self) -> ImpactAssessment {
+        self.impact
+            .as_ref()
+            .map(ImpactMonitor::assessment)
+            .unwrap_or_default()
+    }
+
+    /// Whether the allowed force of the impact slows the approach.
+    pub(crate) fn slowed(&self, settings: &Settings) -> bool {
+        let requested = settings.task.approach_speed_m_per_s;
+        self.impact
+            .as_ref()
+            .is_some_and(|impact| impact.allowed_speed_m_per_s(requested) < requested)
     }
 
     pub(crate) fn in_contact(&self) -> bool {

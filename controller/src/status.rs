@@ -4,13 +4,15 @@ use crate::Controller;
 use nalgebra::Vector3;
 use spatial::kinematics::Axes;
 use spatial::ports::{
-    Authenticity, Command, ControllerStatus, Detection, HORIZON, ImpactAssessment, ParameterAnswer, Role,
-    Stamp,
+    Authenticity, Command, ControllerPhase, ControllerStatus, Detection, HORIZON, ImpactAssessment,
+    ParameterAnswer, Role, Stamp,
 };
 use spatial::{Deflection, Pose, Wrench};
 
 /// The bit of `ControllerStatus::limits` that says that command minus actual pose is at its bound.
 pub(crate) const LIMIT_LEAD: i32 = 1;
+/// The bit that says that the approach is slowed so that the impact stays within the allowed force.
+const LIMIT_VELOCITY: i32 = 2;
 /// The bit that says that the sensor is at the end of its range.
 const LIMIT_DEFLECTION: i32 = 32;
 /// The bit that says that, before contact, the sensor shows a force that it should not.
@@ -71,6 +73,10 @@ impl Controller {
         status.detection.statistic_n = motion.normal_force_n();
         status.detection.threshold_n = motion.threshold_n();
         status.force_error_n = motion.force_n() - settings.desired.force.z;
+        status.impact = motion.impact();
+        if self.phase == ControllerPhase::Approach && motion.slowed(settings) {
+            status.limits |= LIMIT_VELOCITY;
+        }
         if self.sensing.drifts() {
             status.limits |= LIMIT_DRIFT;
         }

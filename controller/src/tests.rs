@@ -1,6 +1,7 @@
 //! The controller on a robot and a sensor that do as the test says.
 
 mod compliance;
+mod impact;
 mod laws;
 mod phases;
 mod samples;

@@ -1,6 +1,7 @@
 //! The force of several laws over time as one SVG: the counterpart of the paper's Figs. 7 and 8.
 
 mod panel;
+pub(crate) mod style;
 
 use crate::metrics::{ForceCurve, Metrics, NoFigures, Recording};
 use node::scenario::Scenario;

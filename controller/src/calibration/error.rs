@@ -14,7 +14,7 @@ pub enum CalibrationError {
     /// Gravity hardly turns in the sensor's frame.
     #[error(
         "the rests tilt by {tilt_rad:.3} rad rms about the axis about which they tilt least, below \
-         {MINIMUM_TILT_RAD} rad; tilt further, and about two horizontal axes (a turn about the vertical tells nothing)"
+         {MINIMUM_TILT_RAD} rad; tilt further about two horizontal axes (a turn about the vertical tells nothing)"
     )]
     TooLittleTilt {
         /// How far they tilt.

@@ -217,7 +217,7 @@ fn what_is_not_identifiable_is_refused() {
     let small = calibrate(&cell.rests(0.05), &KnownTool::default()).unwrap_err();
     assert_eq!(
         small.to_string(),
-        "the rests tilt by 0.027 rad rms about the axis about which they tilt least, below 0.05 rad; tilt further, and \
+        "the rests tilt by 0.027 rad rms about the axis about which they tilt least, below 0.05 rad; tilt further \
          about two horizontal axes (a turn about the vertical tells nothing)"
     );
 }

@@ -81,13 +81,10 @@ impl Report {
         Self {
             quantities,
             residuals,
-            assumed: calibration.tool.is_none().then(|| {
-                format!(
-                    "no wrench is measured: the compliances rest on controller.tool_mass_kg, {} kg, and \
-                     controller.tool_centre_of_mass_in_s_m",
-                    number(controller.tool_mass_kg)
-                )
-            }),
+            assumed: calibration
+                .tool
+                .is_none()
+                .then(|| assumed(calibration, controller)),
             missing: calibration
                 .compliance_rad_per_nm
                 .as_ref()
@@ -225,6 +222,16 @@ impl Display for Report {
     }
 }
 
+/// What the compliances rest on without a measured wrench.
+fn assumed(calibration: &Calibration, controller: &scenario::Controller) -> String {
+    let mass = number(controller.tool_mass_kg);
+    let centre = match calibration.compliance_rad_per_nm {
+        Ok(_) => ", the rotational one on controller.tool_centre_of_mass_in_s_m too",
+        Err(_) => "",
+    };
+    format!("no wrench is measured: compliances rest on controller.tool_mass_kg = {mass}{centre}")
+}
+
 /// Six digits, as TOML has them: 3.3345e-6, 0.0299946, 4.0.
 fn number(value: f64) -> String {
     let rounded = format!("{value:.5e}").parse().unwrap_or(value);
@@ -308,7 +315,7 @@ mod tests {
             "{table}"
         );
         assert!(table.ends_with(
-            "rest on controller.tool_mass_kg, 4.0 kg, and controller.tool_centre_of_mass_in_s_m\n"
+            "tool_mass_kg = 4.0, the rotational one on controller.tool_centre_of_mass_in_s_m too\n"
         ));
     }
 }

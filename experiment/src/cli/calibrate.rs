@@ -77,9 +77,6 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     let calibration = calibrate::from_transcript(&scenario, &entries)?;
     let report = Report::new(&calibration, &scenario.controller);
 
-    if let Some(out) = &args.out {
-        fs::write(out, report.to_toml()).with_context(|| format!("can't write {}", out.display()))?;
-    }
     if args.json {
         print_json(&Printed {
             command: "calibrate",
@@ -91,10 +88,13 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
         })?;
     } else {
         print(&report)?;
-        match &args.out {
-            Some(out) => print(format_args!("\nTOML: {}\n", out.display()))?,
-            None => print(format_args!("\n{}", report.to_toml()))?,
+        if args.out.is_none() {
+            print(format_args!("\n{}", report.to_toml()))?;
         }
+    }
+    // Last: what was learnt is not lost with a file that can't be written.
+    if let Some(out) = &args.out {
+        fs::write(out, report.to_toml()).with_context(|| format!("can't write {}", out.display()))?;
     }
     // What was learnt is printed all the same.
     match &report.missing {

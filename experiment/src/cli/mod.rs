@@ -4,12 +4,16 @@ mod bench;
 mod calibrate;
 mod compare;
 mod doctor;
+mod impact;
 mod run;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
+use controller::impact::ImpactError;
+use experiment::impact::LibraryError;
 use experiment::launch::LaunchError;
 use experiment::scenarios::{Source, SourceError};
+use impact::Unanswerable;
 use node::scenario::{Scenario, ScenarioError};
 use serde::Serialize;
 use std::fmt::Display;
@@ -46,6 +50,7 @@ enum Command {
     Run(run::Args),
     Compare(compare::Args),
     Calibrate(calibrate::Args),
+    Impact(Box<impact::Args>),
     #[command(subcommand)]
     Bench(bench::Bench),
     Doctor(doctor::Args),
@@ -78,6 +83,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Run(args) => run::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Calibrate(args) => calibrate::run(args),
+        Command::Impact(args) => impact::run(args),
         Command::Bench(bench) => bench::run(bench),
         Command::Doctor(args) => doctor::run(args),
     };
@@ -91,7 +97,12 @@ pub(crate) fn main() -> ExitCode {
         }
         complain(told(&error));
         let configuration = |cause: &(dyn std::error::Error + 'static)| {
-            cause.is::<ScenarioError>() || cause.is::<SourceError>() || cause.is::<Twice>()
+            cause.is::<ScenarioError>()
+                || cause.is::<SourceError>()
+                || cause.is::<Twice>()
+                || cause.is::<Unanswerable>()
+                || cause.is::<LibraryError>()
+                || cause.is::<ImpactError>()
         };
         let wrong_usage = error.chain().any(configuration);
         ExitCode::from(if wrong_usage { WRONG_USAGE } else { FAILED })

@@ -1,15 +1,12 @@
 //! The panels of the figure, drawn with plotters.
 
+use super::style::{Area, Chart, Drawn, FAINT, INK, LARGE, SMALL, font, label, line, px, svg};
 use super::{BAND, LabelledCurve, TIME_S, points};
 use crate::metrics::Metrics;
-use plotters::coord::Shift;
-use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::ops::Range;
 
-/// Plotters rounds to whole pixels: draw larger by this and let the viewer scale.
-const SCALE: i32 = 8;
 /// Size of the figure and of its parts, px.
 const WIDTH: i32 = 800;
 const LEGEND_HEIGHT: i32 = 36;
@@ -20,34 +17,17 @@ const LEFT: i32 = 66;
 const RIGHT: i32 = 16;
 const BOTTOM: i32 = 10;
 const EDGE: i32 = 8;
-/// Sizes of the letters, px.
-const LARGE: i32 = 16;
-const SMALL: i32 = 14;
 
-const INK: RGBColor = RGBColor(40, 40, 40);
 const MEASURED: RGBColor = RGBColor(150, 150, 150);
 const SHADE: RGBColor = RGBColor(232, 232, 232);
-const FAINT: RGBColor = RGBColor(205, 205, 205);
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
-type Drawn<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
 /// One panel for each of `curves`, one above the other, all of them with the forces of `force_n`: the SVG.
 pub(super) fn draw(curves: &[LabelledCurve], force_n: &Range<f64>) -> Drawn<String> {
     let height = LEGEND_HEIGHT + PANEL_HEIGHT * curves.len() as i32 + AXIS_HEIGHT;
-    let mut svg = String::new();
-    let root = SVGBackend::with_string(
-        &mut svg,
-        (SCALE as u32 * WIDTH as u32, SCALE as u32 * height as u32),
-    );
-    draw_all(&root.into_drawing_area(), curves, force_n)?;
-    let size = |scale| format!(r#"width="{}" height="{}" viewBox"#, scale * WIDTH, scale * height);
-    Ok(svg.replacen(&size(SCALE), &size(1), 1))
+    svg(WIDTH, height, |root| draw_all(root, curves, force_n))
 }
 
 fn draw_all(root: &Area<'_>, curves: &[LabelledCurve], force_n: &Range<f64>) -> Drawn {
-    root.fill(&WHITE)?;
     let (legend, mut rest) = root.split_vertically(px(LEGEND_HEIGHT));
     draw_legend(&legend)?;
     for (i, curve) in curves.iter().enumerate() {
@@ -57,7 +37,6 @@ fn draw_all(root: &Area<'_>, curves: &[LabelledCurve], force_n: &Range<f64>) -> 
         draw_panel(&panel, curve, colour(&curve.law, i), force_n, last)?;
         rest = below;
     }
-    root.present()?;
     Ok(())
 }
 
@@ -185,38 +164,7 @@ pub(super) fn colour(law: &str, index: usize) -> RGBColor {
     }
 }
 
-fn line<C>(points: impl IntoIterator<Item = C>, colour: RGBColor, width: i32) -> PathElement<C> {
-    let points: Vec<_> = points.into_iter().collect();
-    PathElement::new(points, colour.stroke_width(px(width) as u32))
-}
-
 /// With the sign that printers use.
 fn whole(value: f64) -> String {
     format!("{value:.0}").replace('-', "\u{2212}")
-}
-
-fn font(size: i32) -> TextStyle<'static> {
-    // Plotters writes 1 / 1.24 of the size.
-    ("sans-serif", 1.24 * f64::from(px(size))).into()
-}
-
-fn label(
-    text: &str,
-    at: (i32, i32),
-    size: i32,
-    pos: Pos,
-    colour: RGBColor,
-) -> Text<'static, (i32, i32), String> {
-    let color = colour.to_backend_color();
-    let style = TextStyle {
-        color,
-        pos,
-        ..font(size)
-    };
-    Text::new(text.to_owned(), (px(at.0), px(at.1)), style)
-}
-
-/// Pixels of the figure in those that are drawn.
-fn px(pixels: i32) -> i32 {
-    SCALE * pixels
 }

@@ -307,8 +307,11 @@ schema::section! {
         desired_force_n: f64 = 10.0, in 0.1..=1e5;
         /// Desired moment about the tcp's x, y and z, in r; where that degree of freedom is force controlled.
         desired_moment_nm: [f64; 3] = [0.0, 0.0, 0.0], in -1e4..=1e4;
+        /// Force that the impact may reach, on top of the controlled one, by the controller's assessment; a faster
+        /// approach is slowed. 0: no limit.
+        max_impact_force_n: f64 = 0.0, in 0.0..=1e6;
         /// How far a calibration tilts the tool about its tcp.
-        calibration_tilt_rad: f64 = 0.3, in 0.01..=1.5;
+        calibration_tilt_rad: f64 = 0.3, in 0.1..=1.5;
         /// How long a calibration rests in each orientation; over the second half it measures.
         calibration_rest_s: f64 = 1.0, in 0.02..=60.0;
     }
@@ -343,7 +346,7 @@ impl ForceControlled {
 schema::section! {
     /// The control law and what it assumes of robot, sensor and tool.
     Controller at "controller" with pd: Pd, proposed: Proposed, impedance: Impedance, expected: Expected,
-        servo: AssumedServo, adaptation: Adaptation {
+        servo: AssumedServo, adaptation: Adaptation, impact: Impact {
         /// Control law.
         law: Law = Law::Proposed;
         /// Which actual pose is taken to belong to a deflection.
@@ -410,7 +413,7 @@ schema::section! {
     /// The law `proposed`: eqs. (2) and (9) to (12) as an object model.
     Proposed at "controller.proposed" {
         /// Weight of a new sample in the object's pose, just after the contact.
-        object_filter_gain: f64 = 0.1, in 1e-3..=1.0;
+        object_filter_gain: f64 = 0.03, in 1e-3..=1.0;
         /// The same later: the weight falls as in a mean over all samples, down to this one.
         settled_filter_gain: f64 = 0.01, in 1e-4..=1.0;
         /// How the object is assumed to move.
@@ -430,7 +433,7 @@ schema::section! {
         /// How the object is assumed to move before the contact.
         object_motion: ObjectMotion = ObjectMotion::Steady;
         /// Weight of a new sample of the non-contact sensor.
-        filter_gain: f64 = 0.1, in 1e-3..=1.0;
+        filter_gain: f64 = 0.03, in 1e-3..=1.0;
         /// How far above the expected object the approach has slowed down.
         search_margin_m: f64 = 0.0005, in 0.0..=0.1;
         /// Speed of the search from there on.
@@ -465,7 +468,7 @@ schema::section! {
         mass_kg: f64 = 5.0, in 1e-3..=1e5;
         /// Damping along an axis.
         damping_ns_per_m: f64 = 840.0, in 0.0..=1e7;
-        /// Stiffness along an axis towards where the contact was met; 0: the desired force is reached.
+        /// Stiffness along an axis towards where the object was met; 0: the desired force is reached.
         stiffness_n_per_m: f64 = 0.0, in 0.0..=1e9;
         /// Inertia about an axis.
         inertia_kg_m2: f64 = 0.06, in 1e-6..=1e5;
@@ -473,5 +476,24 @@ schema::section! {
         damping_nms_per_rad: f64 = 10.0, in 0.0..=1e7;
         /// Stiffness about an axis.
         stiffness_nm_per_rad: f64 = 0.0, in 0.0..=1e9;
+    }
+}
+
+schema::section! {
+    /// What the controller's assessment of the impact assumes, eqs. (13) to (18); what is, is in `[tool]` and `[object]`.
+    Impact at "controller.impact" {
+        /// Assumed mass of the tool.
+        tool_mass_kg: f64 = 4.0, in 1e-3..=1e4;
+        /// Assumed principal moments of inertia of the tool about its centre of mass, along the axes of s.
+        tool_inertia_kg_m2: [f64; 3] = [0.012, 0.016, 0.010], in 1e-7..=1e5;
+        /// Assumed centre of mass of the tool in s.
+        centre_of_mass_in_s_m: [f64; 3] = [0.03, 0.0, -0.06], in -5.0..=5.0;
+        /// Assumed indentation coefficient c_in (for exponent n: N/m^n).
+        indentation_n_per_m: f64 = 16e6, in 1e2..=1e12;
+        /// Assumed exponent n of the indentation.
+        exponent: f64 = 1.0, in 0.5..=2.0;
+        /// Assumed rebound coefficient over indentation coefficient, c_re / c_in; 1 where it is unknown, as in (18): an
+        /// elastic object, off which the tool bounces back faster than it came.
+        rebound_ratio: f64 = 4.0, in 1.0..=1e3;
     }
 }

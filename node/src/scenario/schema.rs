@@ -293,6 +293,8 @@ mod tests {
                 "controller.adaptation.gain",
                 "controller.adaptation.minimum_ratio",
                 "controller.adaptation.maximum_ratio",
+                "controller.impact.exponent",
+                "controller.impact.rebound_ratio",
             ]
         );
     }

@@ -66,10 +66,11 @@ pub struct Detection {
     pub contact_step: i64,
 }
 
-/// The impact that the present speed would cause, eqs. (13)-(18).
+/// The impact that the present speed would cause, eqs. (13)-(18); from the contact on, that of the speed measured at
+/// the contact. All zero before the tare is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ImpactAssessment {
-    /// Speed of the tcp, m/s.
+    /// Speed of the tcp towards the object, m/s; negative: away from it, which causes no impact.
     pub speed_m_per_s: f64,
     /// Effective mass at the tcp, kg.
     pub effective_mass_kg: f64,
@@ -79,7 +80,7 @@ pub struct ImpactAssessment {
     pub maximum_depth_m: f64,
     /// Characteristic impact time, s.
     pub characteristic_time_s: f64,
-    /// Highest approach speed allowed, m/s.
+    /// Highest approach speed for the allowed force, m/s; 0: any force is allowed.
     pub speed_limit_m_per_s: f64,
 }
 
@@ -124,7 +125,8 @@ pub struct ControllerStatus {
     pub phase_margin_rad: f64,
     /// Amplitude of an observed oscillation, N.
     pub oscillation_n: f64,
-    /// Limits that bind, a bit each: 1 lead, 2 velocity, 4 acceleration, 8 workspace, 16 axis, 32 deflection, 64 drift.
+    /// Limits that bind, a bit each: 1 lead, 2 velocity (the approach is slowed for the allowed force of the impact),
+    /// 4 acceleration, 8 workspace, 16 axis, 32 deflection, 64 drift.
     pub limits: i32,
     /// Index of the program step, -1: no program. While calibrating: of the rest that is measured, -1: none.
     pub program_step: i32,
