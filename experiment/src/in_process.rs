@@ -7,6 +7,7 @@ use node::scenario::Scenario;
 use robot_sim::RobotSim;
 use sensor_sim::SensorSim;
 use spatial::ports::{LinkMotion, RobotState};
+use std::hint::black_box;
 
 /// All that is said within one tick.
 #[derive(Clone, Copy, Debug)]
@@ -39,5 +40,47 @@ pub fn run(scenario: &Scenario, mut observe: impl FnMut(&Tick)) {
             controller: answer,
         });
         robot.advance(&sensed.tool_motion, answer.as_ref().map(|answer| &answer.command));
+    }
+}
+
+/// One of the loop's parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The robot's half of the physics, with its servos.
+    Robot,
+    /// The sensor's half, with its signal chain.
+    Sensor,
+    /// The controller.
+    Controller,
+}
+
+/// Run one part of `scenario` alone, on what the others have said in `ticks`: a run from its start.
+pub fn replay(part: Part, scenario: &Scenario, ticks: &[Tick]) {
+    match part {
+        Part::Robot => {
+            let mut robot = RobotSim::new(scenario);
+            for tick in ticks {
+                black_box(robot.link_motion());
+                black_box(robot.command_due().then(|| robot.state()));
+                let command = tick.controller.as_ref().map(|answer| &answer.command);
+                robot.advance(&tick.sensor.tool_motion, command);
+            }
+        }
+        Part::Sensor => {
+            let Some(first) = ticks.first() else { return };
+            let mut sensor = SensorSim::new(scenario, &first.link_motion.motion);
+            for tick in ticks {
+                black_box(sensor.advance(&tick.link_motion));
+            }
+        }
+        Part::Controller => {
+            let mut controller = Controller::new(scenario);
+            for tick in ticks {
+                if let Some(state) = &tick.robot_state {
+                    let sensed = &tick.sensor;
+                    black_box(controller.cycle(state, &sensed.deflections, sensed.object_pose.as_ref()));
+                }
+            }
+        }
     }
 }

@@ -116,6 +116,9 @@ fn the_rate_of_the_simulation_is_measured() {
     assert_eq!(code, 0);
     assert_eq!(number("ticks"), 101.0);
     assert!(number("simulated_s_per_core_s_min") > 0.0, "{stdout}");
+    for part in ["robot", "sensor", "controller"] {
+        assert!(number(&format!("{part}_us_per_tick")) > 0.0, "{stdout}");
+    }
     assert!(
         number("simulated_s_per_core_s") <= number("simulated_s_per_core_s_max"),
         "{stdout}"

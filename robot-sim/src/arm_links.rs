@@ -5,7 +5,7 @@
 
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use node::scenario;
-use spatial::kinematics::{Arm, Axes, Joint};
+use spatial::kinematics::{Arm, Axes, Joint, jacobian_of, sensor_pose};
 use spatial::{Motion, Pose};
 
 /// A rigid body in the frame of its joint.
@@ -28,6 +28,19 @@ pub struct ArmLinks {
     pub links: [Link; 6],
     /// Gravity that the joints feel, m/s^2 in r. Zero: compensated, by counterweight and motors' static torque.
     pub gravity: Vector3<f64>,
+}
+
+/// The links of the arm at given positions and velocities of its joints.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coupled {
+    /// Motion of s, with the accelerations that it has while the joints keep their velocities.
+    pub link: Motion,
+    /// Of s, in r.
+    pub jacobian: Matrix6<f64>,
+    /// The mass matrix M(q), kg m^2.
+    pub mass: Matrix6<f64>,
+    /// The torque (Nm) that keeps all velocities as they are: Coriolis and centrifugal terms and gravity.
+    pub bias: Axes,
 }
 
 /// A link in r.
@@ -70,15 +83,19 @@ impl ArmLinks {
         mass_matrix(&joints, &self.bodies(&joints))
     }
 
-    /// The mass matrix (kg m^2) and the torque (Nm) that keeps all velocities as they are: Coriolis and centrifugal
-    /// terms and gravity.
-    pub fn mass_and_bias(&self, position: &Axes, velocity: &Axes) -> (Matrix6<f64>, Axes) {
+    /// All that the equations of motion need, from one look at the joints.
+    pub fn at(&self, position: &Axes, velocity: &Axes) -> Coupled {
         let joints = self.arm.joints(position);
         let bodies = self.bodies(&joints);
-        (
-            mass_matrix(&joints, &bodies),
-            bias(&joints, &bodies, velocity, self.gravity),
-        )
+        let pose = sensor_pose(&joints[5]);
+        let (bias, mut link) = bias(&joints, &bodies, velocity, self.gravity);
+        link.carry(pose.translation.vector);
+        Coupled {
+            link: Motion { pose, ..link },
+            jacobian: jacobian_of(&joints, &pose),
+            mass: mass_matrix(&joints, &bodies),
+            bias,
+        }
     }
 
     /// Potential energy (J) in the gravity that the joints feel; zero at the origin of r.
@@ -133,8 +150,9 @@ fn mass_matrix(joints: &[Joint; 6], bodies: &[Body; 6]) -> Matrix6<f64> {
     matrix
 }
 
-/// Newton and Euler's recursion without joint accelerations: out to the flange with the motion, back with the forces.
-fn bias(joints: &[Joint; 6], bodies: &[Body; 6], velocity: &Axes, gravity: Vector3<f64>) -> Axes {
+/// Newton and Euler's recursion without joint accelerations: out to the flange with the motion, which it returns too,
+/// and back with the forces.
+fn bias(joints: &[Joint; 6], bodies: &[Body; 6], velocity: &Axes, gravity: Vector3<f64>) -> (Axes, Motion) {
     let mut motion = Motion::at_rest(Pose::identity());
     let mut wrenches = [(Vector3::zeros(), Vector3::zeros()); 6];
     for i in 0..6 {
@@ -154,5 +172,5 @@ fn bias(joints: &[Joint; 6], bodies: &[Body; 6], velocity: &Axes, gravity: Vecto
         moment += wrenches[i].1;
         torque[i] = joints[i].axis.dot(&moment) + velocity_at_origin(&joints[i]).dot(&force);
     }
-    torque
+    (torque, motion)
 }

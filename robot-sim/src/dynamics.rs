@@ -1,7 +1,7 @@
 //! The dynamics of the six axes: motors, gears, links, and the sensor's reaction on the last link.
 
 use crate::gears::Gears;
-use crate::links::Links;
+use crate::links::{Links, Posture};
 use nalgebra::Vector3;
 use node::scenario::Scenario;
 use spatial::kinematics::{Axes, Kinematics, join};
@@ -88,29 +88,35 @@ impl Dynamics {
         }
     }
 
+    /// What the links' positions and velocities in `state` make of the equations of motion.
+    pub fn posture(&self, state: &State) -> Posture {
+        // The motors turn with the links where the gears are rigid.
+        let rotors = self.gears.map_or(self.motor_inertia, |_| Axes::zeros());
+        self.links.at(&state.link_position, &state.link_velocity, &rotors)
+    }
+
     /// Motion of s with the accelerations that `torque` (Nm) and the tool cause.
-    pub fn link_motion(&self, state: &State, torque: &Axes, tool: &Motion) -> Motion {
-        let acceleration = self.rate(state, torque, tool).link_velocity;
-        self.kinematics
-            .motion(&state.link_position, &state.link_velocity, &acceleration)
+    pub fn link_motion(&self, state: &State, posture: &Posture, torque: &Axes, tool: &Motion) -> Motion {
+        posture.motion(&self.rate(state, posture, torque, tool).link_velocity)
     }
 
     /// One step of the classical Runge-Kutta method over `step` s, from `time` s after the tick at which `tool`
-    /// was known; returns the motors' work (J) too.
+    /// was known; returns the motors' work (J) too. `posture` is that of `state`.
     pub fn integrate(
         &self,
         state: &State,
+        posture: &Posture,
         torque: &Axes,
         tool: &Motion,
-        time: f64,
-        step: f64,
+        [time, step]: [f64; 2],
     ) -> (State, f64) {
         let half = 0.5 * step;
-        let rate = |state: &State, time: f64| self.rate(state, torque, &tool.extrapolate(time));
-        let k1 = rate(state, time);
-        let k2 = rate(&state.moved(&k1, half), time + half);
-        let k3 = rate(&state.moved(&k2, half), time + half);
-        let k4 = rate(&state.moved(&k3, step), time + step);
+        let rate = |state: &State, tool: &Motion| self.rate(state, &self.posture(state), torque, tool);
+        let k1 = self.rate(state, posture, torque, &tool.extrapolate(time));
+        let tool_at_middle = tool.extrapolate(time + half);
+        let k2 = rate(&state.moved(&k1, half), &tool_at_middle);
+        let k3 = rate(&state.moved(&k2, half), &tool_at_middle);
+        let k4 = rate(&state.moved(&k3, step), &tool.extrapolate(time + step));
         let ends = k1.zip(
             &k2.zip(&k3, |a, b| (a + b) * 2.0, |a, b| (a + b) * 2.0),
             |a, b| a + b,
@@ -122,16 +128,13 @@ impl Dynamics {
     }
 
     /// Kinetic energy of motors and links, J.
-    pub fn kinetic_energy(&self, state: &State) -> f64 {
-        let links = |rotors: &Axes| {
-            self.links
-                .kinetic_energy(&state.link_position, &state.link_velocity, rotors)
-        };
+    pub fn kinetic_energy(&self, state: &State, posture: &Posture) -> f64 {
+        let links = posture.kinetic_energy(&state.link_velocity);
         match self.gears {
-            None => links(&self.motor_inertia),
+            None => links,
             Some(_) => {
                 let square = state.motor_velocity.component_mul(&state.motor_velocity);
-                0.5 * self.motor_inertia.dot(&square) + links(&Axes::zeros())
+                0.5 * self.motor_inertia.dot(&square) + links
             }
         }
     }
@@ -147,25 +150,20 @@ impl Dynamics {
     ///
     /// Rigid gears: `(M(q) + m_m) q'' + c(q, q') = u + J^T reaction`. Elastic ones: `m_m q_m'' = u - F`,
     /// `M(q) q'' + c(q, q') = F + J^T reaction` (PLANT.md section 2; a motor turns about its own joint only).
-    fn rate(&self, state: &State, torque: &Axes, tool: &Motion) -> State {
-        let (position, velocity) = (&state.link_position, &state.link_velocity);
-        let reaction = self.reaction(position, velocity, tool);
-        let link = |rotors: &Axes, torque: Axes| {
-            self.links
-                .acceleration(position, velocity, rotors, &(torque + reaction))
-        };
+    fn rate(&self, state: &State, posture: &Posture, torque: &Axes, tool: &Motion) -> State {
+        let reaction = self.reaction(posture, tool);
         let (motor_acceleration, link_acceleration, dissipation) = match self.gears {
             None => {
-                let both = link(&self.motor_inertia, *torque);
+                let both = posture.acceleration(&(torque + reaction));
                 (both, both, 0.0)
             }
             Some(gears) => {
-                let wind_up = state.motor_position - position;
-                let slip = state.motor_velocity - velocity;
+                let wind_up = state.motor_position - state.link_position;
+                let slip = state.motor_velocity - state.link_velocity;
                 let through = gears.torque(&wind_up, &slip);
                 (
                     (torque - through).component_div(&self.motor_inertia),
-                    link(&Axes::zeros(), through),
+                    posture.acceleration(&(through + reaction)),
                     gears.dissipation(&slip),
                 )
             }
@@ -182,9 +180,9 @@ impl Dynamics {
     /// The sensor's reaction on the axes, Nm: the force `-F - M g` and the moment `-T - (p_s1 - p_s) x F - (R c) x M g`
     /// about s, through J^T. The tool's static weight is compensated by the robot (PLANT.md section 2), so that the
     /// reaction of a tool at rest is zero.
-    fn reaction(&self, position: &Axes, velocity: &Axes, tool: &Motion) -> Axes {
-        let link = self.kinematics.motion(position, velocity, &Axes::zeros());
-        let on_tool = self.suspension.wrench_on_tool(&link, tool);
+    fn reaction(&self, posture: &Posture, tool: &Motion) -> Axes {
+        let link = &posture.link;
+        let on_tool = self.suspension.wrench_on_tool(link, tool);
         let weight = Vector3::new(0.0, 0.0, -GRAVITY_M_PER_S2 * self.tool_mass);
         let arm = tool.pose.translation.vector - link.pose.translation.vector;
         let com = tool.pose.rotation * self.tool_centre_of_mass;
@@ -192,6 +190,6 @@ impl Dynamics {
             -on_tool.force - weight,
             -on_tool.moment - arm.cross(&on_tool.force) - com.cross(&weight),
         );
-        self.kinematics.jacobian(position).tr_mul(&reaction)
+        posture.jacobian.tr_mul(&reaction)
     }
 }

@@ -15,6 +15,7 @@ pub mod servo;
 use command_path::CommandPath;
 use dynamics::{Dynamics, State};
 use guard::{Guard, Refusal};
+use links::Posture;
 use node::scenario::{Drives, Robot, Scenario};
 use servo::{Servo, ServoParameters};
 use spatial::kinematics::Axes;
@@ -40,6 +41,8 @@ pub struct RobotSim {
     path: CommandPath,
     encoder: [Axes; ENCODER_SAMPLES],
     setpoint: Axes,
+    /// That of `state`.
+    posture: Posture,
     link: Motion,
     motor_work_j: f64,
     command_step: i64,
@@ -65,15 +68,19 @@ impl RobotSim {
         let (drives, link_inertia) = (robot.drives(), dynamics.links.axis_inertia());
         let steps = libm::rint(TICK_S / robot.integration_step_s).max(1.0);
         let period = scenario.timing.command_period_ticks;
+        let state = State::at_rest(position);
+        let posture = dynamics.posture(&state);
         Self {
             seed: scenario.timing.seed,
             tick: 0,
             period,
+            link: posture.link,
+            posture,
             dynamics,
             step_s: TICK_S / steps,
             steps_per_tick: steps as usize,
             guard: Guard::new(scenario),
-            state: State::at_rest(position),
+            state,
             servos: std::array::from_fn(|axis| {
                 let parameters = servo_parameters(robot, &drives, axis, link_inertia[axis]);
                 Servo::new(parameters, position[axis])
@@ -81,7 +88,6 @@ impl RobotSim {
             path: CommandPath::new(period, robot.command_delay_periods, position),
             encoder: [position; ENCODER_SAMPLES],
             setpoint: position,
-            link: Motion::at_rest(dynamics.kinematics.forward(&position)),
             motor_work_j: 0.0,
             command_step: -1,
             missed_commands: 0,
@@ -106,7 +112,7 @@ impl RobotSim {
         LinkMotion {
             stamp: self.stamp(),
             motion: self.link,
-            kinetic_energy_j: self.dynamics.kinetic_energy(&self.state),
+            kinetic_energy_j: self.dynamics.kinetic_energy(&self.state, &self.posture),
             elastic_energy_j: self.dynamics.elastic_energy(&self.state),
             motor_work_j: self.motor_work_j,
             dissipated_energy_j: self.state.dissipated_j,
@@ -151,15 +157,21 @@ impl RobotSim {
         });
         for i in 0..self.steps_per_tick {
             let time = i as f64 * self.step_s;
-            let (state, work) =
-                self.dynamics
-                    .integrate(&self.state, &torque, &tool.motion, time, self.step_s);
+            let (state, work) = self.dynamics.integrate(
+                &self.state,
+                &self.posture,
+                &torque,
+                &tool.motion,
+                [time, self.step_s],
+            );
             self.state = state;
+            self.posture = self.dynamics.posture(&state);
             self.motor_work_j += work;
         }
+        let tool_then = tool.motion.extrapolate(TICK_S);
         self.link = self
             .dynamics
-            .link_motion(&self.state, &torque, &tool.motion.extrapolate(TICK_S));
+            .link_motion(&self.state, &self.posture, &torque, &tool_then);
         self.tick += 1;
         self.encoder.rotate_right(1);
         self.encoder[0] = self.state.motor_position;

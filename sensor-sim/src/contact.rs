@@ -18,9 +18,10 @@ pub struct Contact {
 }
 
 /// A piece of the contact's law in which its force is a smooth function of the indentation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Piece {
     /// No force.
+    #[default]
     Off,
     /// The stiffer line on the way out and back in.
     Rebound,
@@ -43,17 +44,24 @@ impl Contact {
 
     /// The normal force (N) on the tool at indentation `h` (m), the memory left as it is.
     pub fn force(&self, h: f64) -> f64 {
-        if h <= 0.0 {
-            return 0.0;
+        self.force_on(self.piece(h).0, h)
+    }
+
+    /// The force (N) that a `piece` of the law gives at `h` (m): the piece's own formula, also beyond its ends.
+    pub fn force_on(&self, piece: Piece, h: f64) -> f64 {
+        match piece {
+            Piece::Off => 0.0,
+            Piece::Rebound => self.rebound_n_per_m * self.power(h - self.remaining_m()),
+            Piece::Loading => self.indentation_n_per_m * self.power(h),
         }
-        if h >= self.deepest_m {
-            return self.indentation_n_per_m * self.power(h);
-        }
-        let above = h - self.remaining_m();
-        if above <= 0.0 {
-            0.0
-        } else {
-            self.rebound_n_per_m * self.power(above)
+    }
+
+    /// Slope of a `piece` of the law with exponent 1, N/m.
+    pub fn stiffness_on(&self, piece: Piece) -> f64 {
+        match piece {
+            Piece::Off => 0.0,
+            Piece::Rebound => self.rebound_n_per_m,
+            Piece::Loading => self.indentation_n_per_m,
         }
     }
 
@@ -67,6 +75,11 @@ impl Contact {
         } else {
             (Piece::Loading, 0.0)
         }
+    }
+
+    /// The deepest indentation reached, m: the force of the rebound meets that of the loading there.
+    pub fn deepest_m(&self) -> f64 {
+        self.deepest_m
     }
 
     /// Remember the indentation `h` (m) reached at the end of an integration step.

@@ -6,23 +6,29 @@
 
 pub mod contact;
 pub mod contacts;
+pub mod exponential;
+mod integration;
 pub mod noise;
 pub mod object;
 pub mod object_sensor;
 pub mod signal;
+pub mod smooth;
+pub mod swing;
 pub mod tool;
 
 use contacts::Contacts;
+use integration::Steps;
 use nalgebra::Vector3;
 use node::scenario::Scenario;
 use object::Base;
 use object_sensor::ObjectSensor;
-use signal::{Reading, SignalChain, Weights};
+use signal::{Reading, SignalChain};
+use smooth::Smooth;
 use spatial::ports::{
     Authenticity, ClockEcho, Deflections, LinkMotion, ObjectPose, Role, Stamp, ToolMotion, Truth,
 };
-use spatial::{Deflection, Motion, MotionSegment, Pose, TICK_S, Wrench};
-use tool::{Body, Instant, State, Work};
+use spatial::{Deflection, Motion, Pose, TICK_S, Wrench};
+use tool::{Body, Instant, Rates, State, Work};
 
 /// What one tick brings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,12 +50,12 @@ pub struct SensorSim {
     body: Body,
     contacts: Contacts,
     s_from_t: Pose,
-    /// A tick's steps while the contact is smooth.
-    smooth: Steps,
-    /// Those that take the place of one of them around kinks.
-    kinked: Steps,
+    steps: Steps,
+    smooth: Smooth,
     state: State,
     now: Instant,
+    /// How the state changes now, once that is known.
+    rates: Option<Rates>,
     /// Of the deepest point, m; negative: distance.
     indentation_m: f64,
     chain: SignalChain,
@@ -77,14 +83,15 @@ impl SensorSim {
         let seed = scenario.timing.seed;
         let reading = reading(&body, &state, link, sensor.wrench_measured);
         let chain = SignalChain::new(sensor, seed, &reading);
-        let smooth = Steps::new(TICK_S, sensor.smooth_step_s, &chain);
+        let steps = Steps::new(sensor, &chain);
         Self {
             seed,
             s_from_t: spatial::pose(tool.tcp_in_s_m.into(), Vector3::zeros()),
-            smooth,
-            kinked: Steps::new(smooth.step_s, sensor.integration_step_s, &chain),
+            smooth: steps.smooth(),
+            steps,
             state,
             now: Instant { link: *link, base },
+            rates: None,
             indentation_m: contacts.deepest(&state, &base).indentation_m,
             body,
             contacts,
@@ -116,72 +123,6 @@ impl SensorSim {
         self.outputs(tick)
     }
 
-    /// While the contact is smooth, free or pressing, time goes in long steps; a long step that has met a kink of
-    /// the contact's law is taken back and done in short ones.
-    fn integrate(&mut self, start_tick: i64, end: &Motion) {
-        let start_s = start_tick as f64 * TICK_S;
-        let segment = MotionSegment::new(self.now.link, *end, TICK_S);
-        for i in 0..self.smooth.count {
-            let time = i as f64 * self.smooth.step_s;
-            if !self.step(&segment, start_s, time, self.smooth, true) {
-                for j in 0..self.kinked.count {
-                    let time = time + j as f64 * self.kinked.step_s;
-                    self.step(&segment, start_s, time, self.kinked, false);
-                }
-            }
-        }
-    }
-
-    /// One step from `time` s after the segment's start, unless it must stay smooth and does not.
-    fn step(
-        &mut self,
-        segment: &MotionSegment,
-        start_s: f64,
-        time: f64,
-        steps: Steps,
-        must_stay_smooth: bool,
-    ) -> bool {
-        let at = |time: f64| Instant {
-            link: segment.at(time),
-            base: self.contacts.object().base(start_s + time),
-        };
-        let (middle, end) = (at(time + 0.5 * steps.step_s), at(time + steps.step_s));
-        let instants = [&self.now, &middle, &end];
-        let (state, work) = self
-            .body
-            .integrate(&self.state, instants, &self.contacts, steps.step_s);
-        let before = (&self.state, &self.now.base);
-        if must_stay_smooth
-            && !self
-                .contacts
-                .stayed_smooth(before, (&state, &end.base), steps.step_s)
-        {
-            return false;
-        }
-        self.state = state;
-        self.now = end;
-        self.work.add(&work);
-        self.observe(start_s + time, steps);
-        true
-    }
-
-    /// After a step that began at `start_s`: contact, its memory and the low pass.
-    fn observe(&mut self, start_s: f64, steps: Steps) {
-        let Instant { link, base } = self.now;
-        let before = self.indentation_m;
-        let h = self.contacts.remember(&self.state, &base);
-        self.indentation_m = h;
-        if h > 0.0 {
-            self.contact_force_peak_n = self.contact_force_peak_n.max(self.contact_force(&base).norm());
-            self.first_contact.get_or_insert_with(|| FirstContact {
-                time_s: start_s + steps.step_s * (-before / (h - before)),
-                speed_m_per_s: (h - before) / steps.step_s,
-            });
-        }
-        let reading = reading(&self.body, &self.state, &link, self.wrench_measured);
-        self.chain.follow(&reading, &steps.weights);
-    }
-
     fn contact_force(&self, base: &Base) -> Vector3<f64> {
         let rotation = self.state.rotation.to_rotation_matrix();
         self.contacts.load(&self.state, &rotation, base).force
@@ -189,7 +130,8 @@ impl SensorSim {
 
     fn outputs(&mut self, tick: i64) -> Outputs {
         let stamp = Stamp::lockstep(tick, self.seed, Role::Sensor);
-        let motion = self.body.plate_motion(&self.state, &self.now, &self.contacts);
+        let rates = self.rates();
+        let motion = self.body.plate_motion(&self.state, &rates);
         let samples = self.chain.sample(tick);
         Outputs {
             tool_motion: ToolMotion { stamp, motion },
@@ -237,27 +179,6 @@ impl SensorSim {
             link_work_j: self.work.by_link,
             dissipated_energy_j: self.work.dissipated,
             contact_work_j: self.work.on_object,
-        }
-    }
-}
-
-/// An interval in steps of equal length.
-#[derive(Clone, Copy, Debug)]
-struct Steps {
-    step_s: f64,
-    count: usize,
-    weights: Weights,
-}
-
-impl Steps {
-    /// The `interval` (s) in steps of about `step_s`.
-    fn new(interval: f64, step_s: f64, chain: &SignalChain) -> Self {
-        let count = libm::rint(interval / step_s).max(1.0);
-        let step_s = interval / count;
-        Self {
-            step_s,
-            count: count as usize,
-            weights: chain.weights(step_s),
         }
     }
 }

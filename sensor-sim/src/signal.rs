@@ -41,12 +41,15 @@ pub struct SignalChain {
     ring: Vec<DeflectionSample>,
 }
 
-/// A first-order low pass over one step, solved in closed form for a signal that moves linearly within it:
-/// `y(h) = e^-a y(0) + ((1 - e^-a)/a - e^-a) u(0) + (1 - (1 - e^-a)/a) u(h)` with `a = h / tau`.
+/// A first-order low pass over one step, solved in closed form for a signal that is quadratic within it.
+///
+/// With `a = h / tau` and the moments `I_k`, the integrals of `a e^(-a (1 - s)) s^k` over s from 0 to 1:
+/// `y(h) = e^-a y(0) + (I_0 - 3 I_1 + 2 I_2) u(0) + 4 (I_1 - I_2) u(h/2) + (2 I_2 - I_1) u(h)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
     keep: f64,
     before: f64,
+    middle: f64,
     after: f64,
 }
 
@@ -78,32 +81,38 @@ impl SignalChain {
     /// The low pass over a step of `step` s.
     pub fn weights(&self, step: f64) -> Weights {
         let a = step / self.time_constant_s;
-        let keep = libm::exp(-a);
-        let mean = -libm::expm1(-a) / a;
+        let first = 1.0 + libm::expm1(-a) / a;
+        let second = 1.0 - 2.0 * first / a;
         Weights {
-            keep,
-            before: mean - keep,
-            after: 1.0 - mean,
+            keep: libm::exp(-a),
+            before: -libm::expm1(-a) - 3.0 * first + 2.0 * second,
+            middle: 4.0 * (first - second),
+            after: 2.0 * second - first,
         }
     }
 
-    /// Let the low pass follow over one integration step, in which what the sensor feels moves linearly to `reading`.
-    pub fn follow(&mut self, reading: &Reading, weights: &Weights) {
-        let now = components(reading);
-        let signals = self.felt.iter().zip(&now);
-        for (filtered, (before, after)) in self.filtered.iter_mut().zip(signals) {
-            *filtered = weights.keep * *filtered + weights.before * before + weights.after * after;
+    /// Let the low pass follow over one integration step to `end`, along a parabola through `middle`, or straight.
+    pub fn follow(&mut self, middle: Option<&Reading>, end: &Reading, weights: &Weights) {
+        let end = components(end);
+        let straight = || std::array::from_fn(|i| 0.5 * (self.felt[i] + end[i]));
+        let middle: [f64; 12] = middle.map_or_else(straight, components);
+        let signals = if self.wrench_measured { 12 } else { 6 };
+        for i in 0..signals {
+            self.filtered[i] = weights.keep * self.filtered[i]
+                + weights.before * self.felt[i]
+                + weights.middle * middle[i]
+                + weights.after * end[i];
         }
-        self.felt = now;
+        self.felt = end;
     }
 
     /// Take the sample of `tick` and return the eight newest that have come through the delay, newest first.
     pub fn sample(&mut self, tick: i64) -> [DeflectionSample; DEFLECTION_SAMPLES] {
         let length = self.ring.len();
-        let slot = |tick: i64| tick.rem_euclid(length as i64) as usize;
+        let slot = tick.rem_euclid(length as i64) as usize;
         // Measured even if it is lost: the stream of random numbers goes on.
         let measured = self.measure(tick);
-        self.ring[slot(tick)] = if self.dropout.contains(&tick) {
+        self.ring[slot] = if self.dropout.contains(&tick) {
             DeflectionSample::default()
         } else {
             measured
@@ -114,7 +123,8 @@ impl SignalChain {
             let sample = if wanted < 0 {
                 DeflectionSample::default()
             } else {
-                self.ring[slot(wanted)]
+                let before = self.delay_ticks + age;
+                self.ring[(slot + length - before) % length]
             };
             DeflectionSample {
                 utime: wanted * TICK_US,

@@ -1,6 +1,6 @@
 //! The tool: a rigid body that hangs on the sensor and touches the object.
 
-use crate::contacts::Contacts;
+use crate::contacts::{Contacts, Pieces};
 use crate::object::{Base, Yielding};
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use node::scenario;
@@ -14,8 +14,8 @@ pub struct Body {
     /// Principal moments of inertia about the centre of mass, along the axes of s', kg m^2.
     pub inertia: Vector3<f64>,
     /// Their inverses, and that of the mass: a division takes as long as ten products.
-    inertia_inverse: Vector3<f64>,
-    mass_inverse: f64,
+    pub(crate) inertia_inverse: Vector3<f64>,
+    pub(crate) mass_inverse: f64,
     /// c, from the origin of s' to the centre of mass, m.
     pub centre_of_mass: Vector3<f64>,
     /// d, from the origin of s' to the tcp, m.
@@ -65,13 +65,19 @@ pub struct Instant {
 /// The time derivative of a [`State`] and of the [`Work`].
 #[derive(Clone, Copy, Debug)]
 pub struct Rates {
-    velocity: Vector3<f64>,
-    acceleration: Vector3<f64>,
+    /// m/s.
+    pub velocity: Vector3<f64>,
+    /// m/s^2.
+    pub acceleration: Vector3<f64>,
     quaternion: Quaternion<f64>,
-    angular_acceleration: Vector3<f64>,
-    surface: Yielding,
+    /// rad/s^2.
+    pub angular_acceleration: Vector3<f64>,
+    /// Of the object's surface.
+    pub surface: Yielding,
     /// Powers, W.
-    work: Work,
+    pub work: Work,
+    /// The part of the power on the object that indents it, W.
+    pub indenting_power: f64,
 }
 
 impl Body {
@@ -129,8 +135,7 @@ impl Body {
     }
 
     /// Motion of s' with its accelerations.
-    pub fn plate_motion(&self, state: &State, now: &Instant, contacts: &Contacts) -> Motion {
-        let rates = self.rates(state, now, contacts);
+    pub fn plate_motion(&self, state: &State, rates: &Rates) -> Motion {
         let lever = -(state.rotation * self.centre_of_mass);
         let w = state.angular_velocity;
         Motion {
@@ -180,12 +185,23 @@ impl Body {
 
     /// The equations of motion (PLANT.md section 1).
     pub fn rates(&self, state: &State, now: &Instant, contacts: &Contacts) -> Rates {
+        self.rates_on(None, state, now, contacts)
+    }
+
+    /// The same with `pieces` of the contacts' laws in the laws' place.
+    pub fn rates_on(
+        &self,
+        pieces: Option<&Pieces>,
+        state: &State,
+        now: &Instant,
+        contacts: &Contacts,
+    ) -> Rates {
         let Instant { link, base } = now;
         let rotation = state.rotation.to_rotation_matrix();
         let com = rotation * self.centre_of_mass;
         let plate = self.plate_behind(state, &-com);
         let Wrench { force, moment } = self.suspension.wrench_on_tool(link, &plate);
-        let contact = contacts.load(state, &rotation, base);
+        let contact = contacts.load_on(pieces, state, &rotation, base);
 
         let w = state.angular_velocity;
         let torque = rotation.inverse_transform_vector(&(moment - com.cross(&force) + contact.moment));
@@ -204,6 +220,7 @@ impl Body {
                 dissipated: self.suspension.dissipation(link, &plate),
                 on_object: contact.power,
             },
+            indenting_power: contact.indenting_power,
         }
     }
 }
@@ -228,13 +245,14 @@ impl Rates {
                 dissipated: scalar(|k| k.work.dissipated),
                 on_object: scalar(|k| k.work.on_object),
             },
+            indenting_power: scalar(|k| k.indenting_power),
         }
     }
 }
 
 impl Work {
     /// What these powers, W, do in `time` s.
-    fn over(&self, time: f64) -> Self {
+    pub(crate) fn over(&self, time: f64) -> Self {
         Self {
             by_link: self.by_link * time,
             dissipated: self.dissipated * time,

@@ -31,6 +31,7 @@ impl Motion {
     }
 
     /// The motion `time` s later if the accelerations stay as they are.
+    #[inline]
     pub fn extrapolate(&self, time: f64) -> Self {
         let half = 0.5 * time * time;
         let turn = self.angular_velocity * time + self.angular_acceleration * half;
@@ -47,6 +48,7 @@ impl Motion {
     }
 
     /// Go over to another point of the same rigid body, at `position` in r (m).
+    #[inline]
     pub fn carry(&mut self, position: Vector3<f64>) {
         let lever = position - self.pose.translation.vector;
         let spin = self.angular_velocity.cross(&lever);
@@ -57,6 +59,7 @@ impl Motion {
 
     /// Go over to a body that turns against this one about `axis` (unit vector in r, through the origin) with
     /// `rate` (rad/s) and `change` (rad/s^2). The orientation is left as it is.
+    #[inline]
     pub fn turn(&mut self, axis: Vector3<f64>, rate: f64, change: f64) {
         self.angular_acceleration += axis * change + self.angular_velocity.cross(&axis) * rate;
         self.angular_velocity += axis * rate;
@@ -81,7 +84,7 @@ impl MotionSegment {
         let shift = end.pose.translation.vector - start.pose.translation.vector;
         let turn = rotation::log(&(end.pose.rotation * start.pose.rotation.inverse()));
         // In the coordinates v of Exp(v): w = J(v) v', hence v' = J^-1 w.
-        let turn_rate = rotation::left_jacobian_inverse(turn) * end.angular_velocity;
+        let turn_rate = rotation::rate_of_change(turn, end.angular_velocity);
         Self {
             start,
             duration,
@@ -91,6 +94,7 @@ impl MotionSegment {
     }
 
     /// The motion `time` s after the segment's start, 0 <= `time` <= duration.
+    #[inline]
     pub fn at(&self, time: f64) -> Motion {
         let s = time / self.duration;
         let (shift, velocity, acceleration) = evaluate(&self.shift, s, self.duration);

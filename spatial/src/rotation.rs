@@ -7,6 +7,7 @@ use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 const SMALL: f64 = 2e-3;
 
 /// The rotation by |v| about v (rad): Exp of SO(3), `(cos |v|/2, sin(|v|/2) v/|v|)`.
+#[inline]
 pub fn exp(v: Vector3<f64>) -> UnitQuaternion<f64> {
     let square = 0.25 * v.norm_squared();
     let (cosine, sine_ratio) = if square < SMALL {
@@ -27,6 +28,7 @@ pub fn exp(v: Vector3<f64>) -> UnitQuaternion<f64> {
 /// The rotation vector (rad, |v| <= pi) of a rotation: Log of SO(3).
 ///
 /// Evaluated as `2 atan2(|q_v|, |q_w|) q_v / |q_v|`, which keeps full relative accuracy near zero.
+#[inline]
 pub fn log(rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
     let q = rotation.quaternion();
     let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
@@ -54,11 +56,13 @@ pub fn skew(a: Vector3<f64>) -> Matrix3<f64> {
 /// (e.g. Barfoot, State Estimation for Robotics, eq. 7.77).
 pub fn left_jacobian(v: Vector3<f64>) -> Matrix3<f64> {
     let (first, second) = left_jacobian_factors(v);
-    let k = skew(v);
-    Matrix3::identity() + k * first + k * k * second
+    // [v]^2 = v v^T - |v|^2 I.
+    let straight = Matrix3::from_diagonal_element(1.0 - v.norm_squared() * second);
+    straight + skew(v) * first + v * (v * second).transpose()
 }
 
 /// The angular velocity of `Exp(v)` in the fixed frame while v changes at `rate`: `J(v) rate`.
+#[inline]
 pub fn angular_velocity(v: Vector3<f64>, rate: Vector3<f64>) -> Vector3<f64> {
     let (first, second) = left_jacobian_factors(v);
     let across = v.cross(&rate);
@@ -66,6 +70,7 @@ pub fn angular_velocity(v: Vector3<f64>, rate: Vector3<f64>) -> Vector3<f64> {
 }
 
 /// The factors of [v] and [v]^2 in [`left_jacobian`].
+#[inline]
 fn left_jacobian_factors(v: Vector3<f64>) -> (f64, f64) {
     let square = v.norm_squared();
     if square < 1e-4 {
@@ -85,16 +90,28 @@ fn left_jacobian_factors(v: Vector3<f64>) -> (f64, f64) {
 ///
 /// `J^-1 = I - [v]/2 + (1/a^2 - (1 + cos a)/(2 a sin a)) [v]^2`.
 pub fn left_jacobian_inverse(v: Vector3<f64>) -> Matrix3<f64> {
-    let square = v.norm_squared();
     let k = skew(v);
-    let second = if square < 1e-4 {
+    Matrix3::identity() - k * 0.5 + k * k * left_jacobian_inverse_factor(v)
+}
+
+/// The rate of change of v at which `Exp(v)` turns with `angular_velocity` in the fixed frame: `J(v)^-1 w`.
+#[inline]
+pub fn rate_of_change(v: Vector3<f64>, angular_velocity: Vector3<f64>) -> Vector3<f64> {
+    let across = v.cross(&angular_velocity);
+    angular_velocity - across * 0.5 + v.cross(&across) * left_jacobian_inverse_factor(v)
+}
+
+/// The factor of [v]^2 in [`left_jacobian_inverse`].
+#[inline]
+fn left_jacobian_inverse_factor(v: Vector3<f64>) -> f64 {
+    let square = v.norm_squared();
+    if square < 1e-4 {
         1.0 / 12.0 + square / 720.0 + square * square / 30240.0
     } else {
         let half = 0.5 * square.sqrt();
         let (sine, cosine) = libm::sincos(half);
         (1.0 - half * cosine / sine) / square
-    };
-    Matrix3::identity() - k * 0.5 + k * k * second
+    }
 }
 
 #[cfg(test)]
@@ -138,6 +155,8 @@ mod tests {
             let v = v * scale;
             let product = left_jacobian(v) * left_jacobian_inverse(v);
             prop_assert!((product - Matrix3::identity()).norm() < 1e-12);
+            let d = Vector3::new(0.3, -0.5, 0.7);
+            prop_assert!((left_jacobian_inverse(v) * d - rate_of_change(v, d)).norm() < 1e-14);
         }
     }
 

@@ -38,6 +38,7 @@ impl ToolSuspension {
     /// are isotropic: everything is evaluated in r, without turning into s and back
     /// (`R_s Log(R_s^T R_s1) = Log(R_s1 R_s^T)`), and T is the exact gradient of `K_phi |phi|^2 / 2`, so that energy
     /// is conserved.
+    #[inline]
     pub fn wrench_on_tool(&self, link: &Motion, plate: &Motion) -> Wrench {
         let p = plate.pose.translation.vector - link.pose.translation.vector;
         let phi = rotation::log(&(plate.pose.rotation * link.pose.rotation.inverse()));
@@ -51,6 +52,19 @@ impl ToolSuspension {
             moment -= phi * (self.end_stop_nm_per_rad * (1.0 - self.end_stop_rad / phi.norm()));
         }
         Wrench { force, moment }
+    }
+
+    /// Whether the end stops, if there are any, are further away than the plate gets within `time` s at its present
+    /// speed against the link.
+    pub fn clear_of_stops(&self, link: &Motion, plate: &Motion, time: f64) -> bool {
+        if self.end_stop_n_per_m == 0.0 && self.end_stop_nm_per_rad == 0.0 {
+            return true;
+        }
+        let p = plate.pose.translation.vector - link.pose.translation.vector;
+        let phi = rotation::log(&(plate.pose.rotation * link.pose.rotation.inverse()));
+        let (p_rate, w_rel) = rates(link, plate, &p);
+        p.norm() + p_rate.norm() * time < self.end_stop_m
+            && phi.norm() + w_rel.norm() * time < self.end_stop_rad
     }
 
     /// The elastic energy stored, J.
@@ -67,6 +81,7 @@ impl ToolSuspension {
     }
 
     /// The power that the dampers dissipate, W.
+    #[inline]
     pub fn dissipation(&self, link: &Motion, plate: &Motion) -> f64 {
         let lever = plate.pose.translation.vector - link.pose.translation.vector;
         let (p_rate, w_rel) = rates(link, plate, &lever);
@@ -76,6 +91,7 @@ impl ToolSuspension {
 
 /// Rate (m/s) of the `lever` (m) from link to plate as seen from the link, and the angular velocity (rad/s) between
 /// the two, in r.
+#[inline]
 fn rates(link: &Motion, plate: &Motion, lever: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
     (
         plate.velocity - link.velocity - link.angular_velocity.cross(lever),

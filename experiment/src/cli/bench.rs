@@ -3,7 +3,7 @@
 use super::{ScenarioArgs, configuration_hash, print, print_json};
 use anyhow::Result;
 use crossbeam::channel::Receiver;
-use experiment::in_process;
+use experiment::in_process::{self, Part};
 use experiment::launch::{self, Plan, Wiring};
 use experiment::run_port::RunPort;
 use experiment::scenarios::Source;
@@ -46,6 +46,9 @@ struct Report<'a> {
     simulated_s_per_core_s_min: f64,
     simulated_s_per_core_s_max: f64,
     ticks_per_core_s: f64,
+    robot_us_per_tick: f64,
+    sensor_us_per_tick: f64,
+    controller_us_per_tick: f64,
 }
 
 pub(crate) fn run(bench: &Bench) -> Result<ExitCode> {
@@ -61,15 +64,21 @@ fn simulation(args: &SimulationArgs) -> Result<ExitCode> {
         tracing::warn!("this is a debug build; `cargo build --release` gives the figures that count");
     }
     let ticks = scenario.timing.ticks();
-    in_process::run(&scenario, |_| ());
-    let mut rates: Vec<f64> = (0..args.repetitions)
-        .map(|_| {
+    let mut said = Vec::new();
+    in_process::run(&scenario, |tick| said.push(*tick));
+    let rates_of = |run: &dyn Fn()| {
+        let rate = |_| {
             let start_s = core_time_s();
-            in_process::run(&scenario, |_| ());
+            run();
             ticks as f64 / (core_time_s() - start_s)
-        })
-        .collect();
-    rates.sort_by(f64::total_cmp);
+        };
+        let mut rates: Vec<f64> = (0..args.repetitions).map(rate).collect();
+        rates.sort_by(f64::total_cmp);
+        rates
+    };
+    let rates = rates_of(&|| in_process::run(&scenario, |_| ()));
+    // Each part on what the others have said.
+    let us_per_tick = |part: Part| 1e6 / median(&rates_of(&|| in_process::replay(part, &scenario, &said)));
     let median = median(&rates);
     let report = Report {
         command: "bench simulation",
@@ -81,19 +90,25 @@ fn simulation(args: &SimulationArgs) -> Result<ExitCode> {
         simulated_s_per_core_s_min: rates[0] * TICK_S,
         simulated_s_per_core_s_max: rates[rates.len() - 1] * TICK_S,
         ticks_per_core_s: median,
+        robot_us_per_tick: us_per_tick(Part::Robot),
+        sensor_us_per_tick: us_per_tick(Part::Sensor),
+        controller_us_per_tick: us_per_tick(Part::Controller),
     };
     if args.json {
         print_json(&report)?;
     } else {
         print(format_args!(
             "simulated, in process: {:.1} s in a second of one core ({:.1} to {:.1} s in {} runs of {} ticks), \
-             {:.0} ticks/s\n",
+             {:.0} ticks/s; us per tick, each part alone: robot {:.2}, sensor {:.2}, controller {:.2}\n",
             report.simulated_s_per_core_s,
             report.simulated_s_per_core_s_min,
             report.simulated_s_per_core_s_max,
             report.repetitions,
             report.ticks,
             report.ticks_per_core_s,
+            report.robot_us_per_tick,
+            report.sensor_us_per_tick,
+            report.controller_us_per_tick,
         ))?;
     }
     Ok(ExitCode::SUCCESS)

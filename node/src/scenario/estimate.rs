@@ -21,8 +21,8 @@ impl Scenario {
     /// An upper bound of the tool's angular frequencies and decay rates between sensor and object, rad/s: the sum
     /// of what each spring (each damper) alone would cause.
     ///
-    /// Friction counts if the tool is `sliding`. The contact counts for exponent 1 only; for others its stiffness depends on the impact.
-    pub(super) fn fastest_rad_per_s(&self, sliding: bool) -> f64 {
+    /// The contact counts for exponent 1 only; for others its stiffness depends on the impact.
+    pub(super) fn fastest_rad_per_s(&self) -> f64 {
         let Self {
             sensor, tool, object, ..
         } = self;
@@ -58,8 +58,8 @@ impl Scenario {
         // Friction is a damper for what slides slowly: as strong as the contact is pressed, in the impact of (17)
         // or later.
         let impact = self.task.approach_speed_m_per_s * (object.indentation_n_per_m / at_tcp).sqrt();
-        let coefficient = if sliding { object.friction } else { 0.0 };
-        let friction = coefficient * impact.max(self.task.desired_force_n) / object.friction_speed_m_per_s;
+        let friction =
+            object.friction * impact.max(self.task.desired_force_n) / object.friction_speed_m_per_s;
         let springs = (sensor.stiffness_n_per_m + sensor.end_stop_n_per_m) * at_s
             + (sensor.stiffness_nm_per_rad + sensor.end_stop_nm_per_rad) / smallest
             + contact * (at_tcp + at_support)
@@ -109,7 +109,7 @@ mod tests {
     /// Contact with 64 MN/m of rebound on 1.798 kg alone: 5966 rad/s.
     #[test]
     fn the_contact_is_the_fastest_motion() {
-        let fastest = Scenario::default().fastest_rad_per_s(true);
+        let fastest = Scenario::default().fastest_rad_per_s();
         assert!((5966.0..6100.0).contains(&fastest), "{fastest}");
     }
 }

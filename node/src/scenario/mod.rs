@@ -85,7 +85,7 @@ schema::section! {
         /// Integral time of the velocity loop.
         velocity_integral_time_s: f64 = 0.03, in 1e-3..=100.0;
         /// Step of the axes' integration, a whole fraction of 1 ms.
-        integration_step_s: f64 = 5e-4, in 1e-6..=1e-3;
+        integration_step_s: f64 = 1e-3, in 1e-6..=1e-3;
     }
 }
 
@@ -194,10 +194,11 @@ schema::section! {
         end_stop_rad: f64 = 0.035, in 1e-5..=1.0;
         /// Stiffness that the end stop adds beyond; 0: there is none.
         end_stop_nm_per_rad: f64 = 0.0, in 0.0..=1e8;
-        /// Step of the tool's integration around kinks of the contact's law, a whole fraction of smooth_step_s.
+        /// Longest step of the tool's integration around kinks of the contact's law.
         integration_step_s: f64 = 20e-6, in 1e-6..=1e-3;
-        /// Step of its integration while that law is smooth: free or pressing steadily; a whole fraction of 1 ms.
-        smooth_step_s: f64 = 1e-4, in 1e-6..=1e-3;
+        /// Step while that law is smooth, free or pressing steadily; a whole fraction of 1 ms. Around kinks it is halved
+        /// until it is at most integration_step_s.
+        smooth_step_s: f64 = 1e-3, in 1e-6..=1e-3;
     }
 }
 

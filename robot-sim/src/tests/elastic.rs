@@ -23,7 +23,10 @@ fn with_the_motors_locked_the_links_swing_with_the_gear_mode() {
     let (step, mut last) = (1e-4, state);
     let mut crossings = vec![Vec::new(); 6];
     for i in 0..10_000 {
-        state = dynamics.integrate(&last, &Axes::zeros(), &far, 0.0, step).0;
+        let posture = dynamics.posture(&last);
+        state = dynamics
+            .integrate(&last, &posture, &Axes::zeros(), &far, [0.0, step])
+            .0;
         for (axis, times) in crossings.iter_mut().enumerate() {
             let (a, b) = (last.link_position[axis], state.link_position[axis]);
             if a < 0.0 && b >= 0.0 {

@@ -14,7 +14,7 @@ fn tilted(scenario: &Scenario) -> (Dynamics, State, Motion) {
 
 /// Force (N) and moment (Nm) about s that act on the links of inertia 180 kg and 6 kg m^2 besides the motors.
 fn reaction(dynamics: &Dynamics, state: &State, tool: &Motion) -> (Vector3<f64>, Vector3<f64>) {
-    let motion = dynamics.link_motion(state, &Axes::zeros(), tool);
+    let motion = dynamics.link_motion(state, &dynamics.posture(state), &Axes::zeros(), tool);
     let jacobian = dynamics.kinematics.jacobian(&state.link_position);
     let acceleration = join(motion.acceleration, motion.angular_acceleration);
     // q'' from the motion of s, and J^-T from the axes' torque to the wrench.

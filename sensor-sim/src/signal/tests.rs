@@ -34,7 +34,7 @@ fn a_step_passes_the_low_pass_and_the_delay() {
     chain.felt = components(&step);
     let weights = chain.weights(1e-3);
     for tick in 1..=20 {
-        chain.follow(&step, &weights);
+        chain.follow(None, &step, &weights);
         let samples = chain.sample(tick);
         assert_eq!(samples[0].utime, (tick - 4) * 1000);
         assert_eq!(samples[0].flags.valid, tick >= 4);
@@ -51,6 +51,7 @@ fn a_ramp_passes_the_low_pass_exactly_in_steps_of_any_length() {
         let weights = chain.weights(1e-3 / f64::from(steps));
         for i in 1..=steps {
             chain.follow(
+                None,
                 &deflected([1e-3 * f64::from(i) / f64::from(steps), 0.0, 0.0]),
                 &weights,
             );
@@ -100,8 +101,8 @@ fn samples_are_quantised_and_saturate_at_the_range() {
     });
     let far = deflected([0.1234567e-3, -2e-3, 0.0]);
     let weights = chain.weights(1.0);
-    chain.follow(&far, &weights);
-    chain.follow(&far, &weights);
+    chain.follow(None, &far, &weights);
+    chain.follow(None, &far, &weights);
     let sample = chain.sample(0)[0];
     assert!((sample.deflection.translation.x - 0.123e-3).abs() < 1e-12);
     assert_eq!(sample.deflection.translation.y, -1.5e-3);

@@ -257,7 +257,7 @@ fn the_accelerations_of_the_plate_are_the_derivatives_of_its_velocities() {
         .map(|i| {
             let time = f64::from(i) * step;
             let instants = [at(time), at(time + 0.5 * step), at(time + step)];
-            let motion = body.plate_motion(&state, &instants[0], &contacts);
+            let motion = body.plate_motion(&state, &body.rates(&state, &instants[0], &contacts));
             state = body.integrate(&state, instants.each_ref(), &contacts, step).0;
             motion
         })

@@ -3,7 +3,7 @@
 use super::{Axes, Unreachable, join, newton};
 use crate::{Motion, Pose, rotation};
 use nalgebra::{Matrix6, UnitQuaternion, Vector3};
-use std::f64::consts::FRAC_PI_4;
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Where a joint sits on its predecessor, and about what it turns.
 struct Mount {
@@ -143,18 +143,24 @@ impl Arm {
     fn pose_and_jacobian(&self, axes: &Axes) -> (Pose, Matrix6<f64>) {
         let joints = self.joints(axes);
         let pose = sensor_pose(&joints[5]);
-        let columns = joints.map(|joint| {
-            let lever = pose.translation.vector - joint.origin;
-            join(joint.axis.cross(&lever), joint.axis)
-        });
-        (pose, Matrix6::from_columns(&columns))
+        (pose, jacobian_of(&joints, &pose))
     }
 }
 
-fn sensor_pose(last: &Joint) -> Pose {
-    // Half of -90 deg about y.
-    let (sine, cosine) = libm::sincos(-FRAC_PI_4);
-    let flange_from_s = super::quaternion([cosine, 0.0, sine, 0.0]);
+/// The Jacobian of the sensor frame at `pose`, in r: rows velocity (m/s) and angular velocity (rad/s), columns joints.
+pub fn jacobian_of(joints: &[Joint; 6], pose: &Pose) -> Matrix6<f64> {
+    let mut jacobian = Matrix6::zeros();
+    for (i, joint) in joints.iter().enumerate() {
+        let lever = pose.translation.vector - joint.origin;
+        jacobian.set_column(i, &join(joint.axis.cross(&lever), joint.axis));
+    }
+    jacobian
+}
+
+/// The pose `r_from_s` on the `last` link.
+pub fn sensor_pose(last: &Joint) -> Pose {
+    // Turned by -90 deg about y.
+    let flange_from_s = super::quaternion([FRAC_1_SQRT_2, 0.0, -FRAC_1_SQRT_2, 0.0]);
     Pose::from_parts(
         (last.origin + last.rotation * FLANGE).into(),
         last.rotation * flange_from_s,

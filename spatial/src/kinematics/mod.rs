@@ -10,7 +10,7 @@ mod gantry;
 mod newton;
 mod unreachable;
 
-pub use arm::{Arm, Joint};
+pub use arm::{Arm, Joint, jacobian_of, sensor_pose};
 pub use gantry::Gantry;
 pub use newton::{smallest_singular_value, weighted_error};
 pub use unreachable::Unreachable;

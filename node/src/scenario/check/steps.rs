@@ -43,63 +43,37 @@ const FASTEST_BY: &[&str] = &[
     "object.support_mass_kg",
 ];
 
-/// The same while nothing slides.
-const SMOOTH_BY: &[&str] = &[
-    "sensor.smooth_step_s",
-    "tool.mass_kg",
-    "tool.inertia_kg_m2",
-    "tool.centre_of_mass_in_s_m",
-    "tool.tcp_in_s_m",
-    "sensor.stiffness_n_per_m",
-    "sensor.stiffness_nm_per_rad",
-    "sensor.damping_ns_per_m",
-    "sensor.damping_nms_per_rad",
-    "sensor.end_stop_n_per_m",
-    "sensor.end_stop_nm_per_rad",
-    "object.indentation_n_per_m",
-    "object.rebound_ratio",
-    "object.support_n_per_m",
-    "object.support_ns_per_m",
-    "object.support_mass_kg",
-];
-
 impl Scenario {
     pub(super) fn check_steps(&self, conflicts: &mut Conflicts) {
         let (robot, sensor) = (&self.robot, &self.sensor);
-        let steps: [(&'static [&'static str], f64, f64, &str); 3] = [
-            (
-                &["robot.integration_step_s"],
-                robot.integration_step_s,
-                TICK_S,
-                "the tick of",
-            ),
-            (
-                &["sensor.smooth_step_s"],
-                sensor.smooth_step_s,
-                TICK_S,
-                "the tick of",
-            ),
-            (
-                &["sensor.integration_step_s", "sensor.smooth_step_s"],
-                sensor.integration_step_s,
-                sensor.smooth_step_s,
-                "sensor.smooth_step_s,",
-            ),
+        let steps: [(&'static [&'static str], f64); 2] = [
+            (&["robot.integration_step_s"], robot.integration_step_s),
+            (&["sensor.smooth_step_s"], sensor.smooth_step_s),
         ];
-        for (key, step, whole, name) in steps {
-            let count = whole / step;
+        for (key, step) in steps {
+            let count = TICK_S / step;
             conflicts.require(
                 count > 0.5 && (count - count.round()).abs() <= 1e-9 * count,
                 key,
                 format!(
-                    "{} is {} s, no whole fraction of {name} {} s; choose that over a whole number, such as {} s",
+                    "{} is {} s, no whole fraction of the tick of {} s; choose that over a whole number, such as {} s",
                     key[0],
                     short(step),
-                    short(whole),
-                    short(whole / finer(count)),
+                    short(TICK_S),
+                    short(TICK_S / finer(count)),
                 ),
             );
         }
+        conflicts.require(
+            sensor.integration_step_s <= sensor.smooth_step_s,
+            &["sensor.integration_step_s", "sensor.smooth_step_s"],
+            format!(
+                "sensor.integration_step_s is {} s, longer than sensor.smooth_step_s, {} s, which is halved until it \
+                 is at most that; choose a shorter one",
+                short(sensor.integration_step_s),
+                short(sensor.smooth_step_s),
+            ),
+        );
 
         let swinging = match robot.gears {
             Gears::Rigid => 0.0,
@@ -117,28 +91,18 @@ impl Scenario {
             ),
         );
 
-        let steps: [(&'static [&'static str], f64, f64); 2] = [
-            (
-                FASTEST_BY,
-                sensor.integration_step_s,
-                self.fastest_rad_per_s(true),
+        let fastest = self.fastest_rad_per_s();
+        conflicts.require(
+            sensor.integration_step_s * fastest <= STEP_ANGLE_RAD,
+            FASTEST_BY,
+            format!(
+                "sensor.integration_step_s is {} s, too long for a tool that moves at up to {} rad/s between sensor and \
+                 object; choose at most {} s, a heavier tool, or less stiffness and damping",
+                short(sensor.integration_step_s),
+                short(fastest),
+                short(STEP_ANGLE_RAD / fastest),
             ),
-            (SMOOTH_BY, sensor.smooth_step_s, self.fastest_rad_per_s(false)),
-        ];
-        for (keys, step, fastest) in steps {
-            conflicts.require(
-                step * fastest <= STEP_ANGLE_RAD,
-                keys,
-                format!(
-                    "{} is {} s, too long for a tool that moves at up to {} rad/s between sensor and object; choose \
-                     at most {} s, a heavier tool, or less stiffness and damping",
-                    keys[0],
-                    short(step),
-                    short(fastest),
-                    short(STEP_ANGLE_RAD / fastest),
-                ),
-            );
-        }
+        );
     }
 }
 

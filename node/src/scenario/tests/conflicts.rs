@@ -103,17 +103,22 @@ fn the_arm_reaches_start_and_search_fast_enough() {
 fn the_integration_steps_divide_the_tick_and_resolve_the_tool() {
     assert_eq!(
         refusal(
-            "robot.integration_step_s = 3e-4\nsensor.integration_step_s = 3e-5",
+            "robot.integration_step_s = 3e-4\nsensor.smooth_step_s = 3e-5",
             &[]
         ),
         "a.toml:1:7: robot.integration_step_s is 0.0003 s, no whole fraction of the tick of 0.001 s; choose that \
          over a whole number, such as 0.00025 s\n\
-         a.toml:2:8: sensor.integration_step_s is 3e-5 s, no whole fraction of sensor.smooth_step_s, 0.0001 s; \
-         choose that over a whole number, such as 2.5e-5 s"
+         a.toml:2:8: sensor.smooth_step_s is 3e-5 s, no whole fraction of the tick of 0.001 s; choose that over a \
+         whole number, such as 2.5e-5 s"
     );
     assert_eq!(
-        refusal("sensor.smooth_step_s = 2e-4", &[]),
-        "a.toml:1:8: sensor.smooth_step_s is 0.0002 s, too long for a tool that moves at up to 5987.5 rad/s between \
+        refusal("sensor.smooth_step_s = 1e-5", &[]),
+        "a.toml:1:8: sensor.integration_step_s is 2e-5 s, longer than sensor.smooth_step_s, 1e-5 s, which is halved \
+         until it is at most that; choose a shorter one"
+    );
+    assert_eq!(
+        refusal("sensor.integration_step_s = 2e-4", &[]),
+        "a.toml:1:8: sensor.integration_step_s is 0.0002 s, too long for a tool that moves at up to 5987.5 rad/s between \
          sensor and object; choose at most 0.000167015 s, a heavier tool, or less stiffness and damping"
     );
 }
@@ -128,7 +133,7 @@ fn the_integration_step_resolves_the_gears() {
                 "robot.gantry.gear_frequency_hz=[14, 14, 14, 20, 20, 500]"
             ]
         ),
-        "--set robot.gears=elastic: robot.integration_step_s is 0.0005 s, too long for gears that swing with up to \
+        "--set robot.gears=elastic: robot.integration_step_s is 0.001 s, too long for gears that swing with up to \
          500 Hz; choose at most 8.91268e-5 s, or softer gears"
     );
 }
