@@ -8,6 +8,7 @@
 //! filtered set-point, m its inertia, `K_v = m_m w_v`:
 //! `m y'' = tau - K_v (y' + k y) - K_v / T_i integral(y' + k y)`.
 
+use crate::contact::PREVIEW;
 use node::scenario;
 use spatial::TICK_S;
 use spatial::kinematics::Axes;
@@ -45,6 +46,21 @@ impl Disturbance {
             rate: Axes::zeros(),
             integral: Axes::zeros(),
         }
+    }
+
+    /// How far the axes will have yielded (rad) at the ends of the coming periods of `ticks` under `tau` (Nm); the first
+    /// of them is kept.
+    pub fn preview(&mut self, tau: &Axes, ticks: i64) -> [Axes; PREVIEW] {
+        let mut ahead = *self;
+        std::array::from_fn(|i| {
+            for _ in 0..ticks {
+                ahead.advance(tau);
+            }
+            if i == 0 {
+                *self = ahead;
+            }
+            ahead.deviation
+        })
     }
 
     /// How far the axes have yielded, rad.

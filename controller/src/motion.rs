@@ -1,25 +1,32 @@
 //! The task once the tare is known: approach, contact, and the way from the tcp's coordinates to axes.
 
+mod path;
+mod plan;
+mod sensed;
+mod told;
+
+pub(crate) use sensed::Sample;
+
 use crate::Settings;
-use crate::approach::{Approach, PathPoint, spread};
+use crate::approach::{PathPoint, spread};
 use crate::command_dynamics::CommandDynamics;
-use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch};
+use crate::contact::{Aim, ContactSample, PREVIEW, Situation};
 use crate::detection::Detector;
 use crate::disturbance::Disturbance;
-use crate::dofs::{Dofs, NORMAL, Selection, TaskFrame, TcpCompliance, displacement};
+use crate::dofs::{Dofs, NORMAL, Selection, TaskFrame, TcpCompliance};
 use crate::expectation::Expectation;
 use crate::impact::ImpactMonitor;
 use crate::law::{ForceControl, feeds_forward};
 use crate::posture::Posture;
 use nalgebra::Vector3;
 use node::scenario::TaskKind;
+use path::{Path, since};
+use plan::{Plan, bound_lead};
+use sensed::{Contact, Sensed};
 use spatial::kinematics::{Axes, Unreachable, join, split};
-use spatial::ports::{HORIZON, ImpactAssessment, SampleFlags};
-use spatial::{Compliance, Deflection, Pose, TICK_S};
+use spatial::ports::{HORIZON, SampleFlags};
+use spatial::{Compliance, Deflection, Pose, TICK_S, Wrench};
 use std::f64::consts::TAU;
-
-/// How long the tool stays in the air after an impact at most (PLANT.md section 7: some 5 ms).
-const LONGEST_BOUNCE_TICKS: i64 = 30;
 
 /// Everything that exists only once the tare is known.
 #[derive(Clone, Debug)]
@@ -42,75 +49,14 @@ pub(crate) struct Motion {
     /// `None` where no assessment can be made of what is assumed, which no scenario allows.
     impact: Option<ImpactMonitor>,
     contact: Option<Contact>,
-    /// Tick of the newest sample in contact.
-    touched_tick: i64,
     newest: Sensed,
     plan: Plan,
     settled_cycles: i64,
 }
 
-/// One sample of the sensor, paired with the axes at its instant.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Sample {
-    /// When it was true, s.
-    pub(crate) time_s: f64,
-    /// The tick at which it was taken.
-    pub(crate) tick: i64,
-    /// At s.
-    pub(crate) deflection: Deflection,
-    pub(crate) flags: SampleFlags,
-    pub(crate) axes: Axes,
-}
-
-/// What the newest sample says.
-#[derive(Clone, Copy, Debug)]
-struct Sensed {
-    sample: Sample,
-    /// `r_from_ta1`: where the deflected tcp is.
-    r_from_ta1: Pose,
-    /// Force along the normal if it is the only one, N.
-    normal_force_n: f64,
-    /// Wrench along the selected degrees of freedom, N and Nm.
-    wrench: Dofs,
-    /// How far the tcp has yielded, m.
-    yields_by_m: f64,
-}
-
-/// What a cycle has decided about the coming instants, T apart.
-#[derive(Clone, Copy, Debug)]
-struct Plan {
-    /// Coordinates of the hanging tcp.
-    coordinates: [Dofs; PREVIEW],
-    /// The axes there.
-    axes: [Axes; PREVIEW],
-    /// The coordinates of the set-point given.
-    commanded: Dofs,
-}
-
 /// The least detection threshold, in standard deviations of the noise: whatever compliance is assumed, noise is no
 /// contact. Three false alarms in a million samples.
 const ABOVE_NOISE: f64 = 4.5;
-
-/// The free motion that has begun.
-#[derive(Clone, Copy, Debug)]
-struct Path {
-    approach: Approach,
-    start_tick: i64,
-    /// Where the object was expected at the start, m in r.
-    expected: Option<Vector3<f64>>,
-    /// Way over which the tcp joins the motion of the object, m.
-    free_m: f64,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Contact {
-    /// Tick of the sample that detected it.
-    sample_tick: i64,
-    /// Tick of the cycle that learned of it.
-    cycle_tick: i64,
-    /// How far the way had led then, m.
-    distance_m: f64,
-}
 
 impl Motion {
     /// At rest at the axes `start`, with the deflection `tare` there, which shows a noise of `noise_m` (m rms) along the
@@ -170,19 +116,8 @@ impl Motion {
             force_control: ForceControl::new(controller, selection),
             impact,
             contact: None,
-            touched_tick: 0,
-            newest: Sensed {
-                sample,
-                r_from_ta1: hanging,
-                normal_force_n: 0.0,
-                wrench: Dofs::zeros(),
-                yields_by_m: 0.0,
-            },
-            plan: Plan {
-                coordinates: [coordinates; PREVIEW],
-                axes: [*start; PREVIEW],
-                commanded: coordinates,
-            },
+            newest: Sensed::new(&sample, &r_from_s, &posture, &compliance),
+            plan: Plan::stay(coordinates, *start),
             settled_cycles: 0,
         }
     }
@@ -205,74 +140,37 @@ impl Motion {
         tick: i64,
     ) {
         let r_from_s = settings.kinematics.forward(&sample.axes);
-        let r_from_ta1 = self.posture.deflected_tcp(&r_from_s, &sample.deflection);
-        let hanging = self.posture.hanging_tcp(&r_from_s);
-        let displaced = displacement(&hanging, &r_from_ta1);
-        let wrench = self.compliance.wrench(&displaced);
-        let normal_force_n = displaced[NORMAL] / self.compliance.along(NORMAL);
-        self.newest = Sensed {
-            sample: *sample,
-            r_from_ta1,
-            normal_force_n,
-            wrench,
-            yields_by_m: split(&displaced).0.norm(),
-        };
+        let sensed = Sensed::new(sample, &r_from_s, &self.posture, &self.compliance);
+        self.newest = sensed;
+        let object_velocity = expectation.at(sample.time_s).map(|(_, velocity)| velocity);
         if let Some(impact) = &mut self.impact {
-            let heights = [&r_from_ta1, &hanging].map(|pose| pose.translation.vector[NORMAL]);
-            let object = expectation
-                .at(sample.time_s)
-                .map(|(_, velocity)| velocity[NORMAL]);
-            impact.take(sample.time_s, heights, object.unwrap_or(0.0));
+            let heights = [&sensed.r_from_ta1, &sensed.hanging].map(|pose| pose.translation.vector[NORMAL]);
+            let object = object_velocity.map_or(0.0, |velocity| velocity[NORMAL]);
+            impact.take(sample.time_s, heights, object);
         }
-        if approaching && self.contact.is_none() && normal_force_n > self.detector.threshold_n() {
-            self.contact = Some(Contact {
-                sample_tick: sample.tick,
-                cycle_tick: tick,
-                distance_m: self
-                    .path_point(settings, tick + settings.lead() * settings.period_ticks)
-                    .distance,
-            });
+        if approaching && self.contact.is_none() && sensed.normal_force_n > self.detector.threshold_n() {
+            let reached = tick + settings.lead() * settings.period_ticks;
+            let distance_m = self.path.map_or(0.0, |path| path.at(settings, reached).distance);
+            self.contact = Some(Contact::new(sample.tick, tick, distance_m));
             if let Some(impact) = &mut self.impact {
                 impact.contact();
             }
-            if let Some((_, velocity)) = expectation.at(sample.time_s) {
+            if let Some(velocity) = object_velocity {
                 self.force_control.expect(&velocity);
             }
         }
-        if self.contact.is_some() {
-            let touch = self.touch(settings, sample.tick);
+        if let Some(contact) = &mut self.contact {
+            let touch = contact.touch(settings, &self.selection, &sensed);
             // Paper (12).
-            let object = self.frame.coordinates(&r_from_ta1);
-            let actual = self.frame.coordinates(&hanging);
+            let object = self.frame.coordinates(&sensed.r_from_ta1);
+            let actual = self.frame.coordinates(&sensed.hanging);
             self.force_control.take(|dof| ContactSample {
                 time_s: sample.time_s,
                 object: object[dof],
                 actual: actual[dof],
-                wrench: wrench[dof],
+                wrench: sensed.wrench[dof],
                 touch,
             });
-        }
-    }
-
-    /// Whether the newest sample, of `tick`, was taken in contact: along the normal, or, where that is not force
-    /// controlled, along what is. Half of a small desired force is contact, too.
-    fn touch(&mut self, settings: &Settings, tick: i64) -> Touch {
-        let least_n = settings
-            .controller
-            .detection_threshold_n
-            .min(0.5 * settings.task.desired_force_n);
-        let force_n = if self.selection.contains(NORMAL) {
-            self.newest.normal_force_n
-        } else {
-            split(&self.newest.wrench).0.norm()
-        };
-        if force_n >= least_n {
-            self.touched_tick = tick;
-        }
-        match tick - self.touched_tick {
-            0 => Touch::Contact,
-            ..=LONGEST_BOUNCE_TICKS => Touch::Bounce,
-            _ => Touch::Lost,
         }
     }
 
@@ -288,12 +186,12 @@ impl Motion {
         let path = self
             .path
             .get_or_insert_with(|| Path::new(settings, expectation, impact, start_m, tick));
-        (tick - path.start_tick) as f64 * TICK_S
+        path.lasted_s(tick)
     }
 
     /// How long the approach lasts at most, s.
     pub(crate) fn approach_duration(&self) -> f64 {
-        self.path.map_or(0.0, |path| path.approach.duration())
+        self.path.map_or(0.0, |path| path.duration_s())
     }
 
     /// Count this cycle as one with the force `inside` its band; how many there were in a row.
@@ -320,12 +218,17 @@ impl Motion {
                 *all = self.selection.merge(&demand, all);
             }
         }
-        let axes = self.inverse(settings, &coordinates)?;
+        let kinematics = &settings.kinematics;
+        let axes = self
+            .plan
+            .inverse(kinematics, &self.frame, &self.posture, &coordinates)?;
         let mut set_points = if leads {
             let proposed = &settings.controller.proposed;
             let mut led = axes;
             if proposed.disturbance_feed_forward && self.contact.is_some() {
-                for (axes, deviation) in led.iter_mut().zip(self.deviations(settings, &axes[0])) {
+                let torque = self.torque(settings, &axes[0]);
+                let deviations = self.disturbance.preview(&torque, settings.period_ticks);
+                for (axes, deviation) in led.iter_mut().zip(deviations) {
                     *axes -= deviation;
                 }
             }
@@ -333,7 +236,8 @@ impl Motion {
         } else {
             std::array::from_fn(|i| axes[i])
         };
-        let bound = self.bound(settings, actual, &mut set_points);
+        let most = settings.controller.max_lead_m;
+        let bound = bound_lead(kinematics, &self.posture, most, actual, &mut set_points);
         let acceleration = self.dynamics.advance(&set_points[0]);
         if self.contact.is_none() {
             let normal = self.along_normal(settings, &set_points[0], &acceleration);
@@ -342,7 +246,7 @@ impl Motion {
             self.detector.follow(0.0, settings.period_ticks);
         }
         let commanded = if bound {
-            let r_from_s = settings.kinematics.forward(&set_points[0]);
+            let r_from_s = kinematics.forward(&set_points[0]);
             self.frame.coordinates(&self.posture.hanging_tcp(&r_from_s))
         } else {
             coordinates[0]
@@ -355,12 +259,23 @@ impl Motion {
         Ok((set_points, bound))
     }
 
+    /// From the sensor frame to the hanging tcp while the axes are at `axes`, m in r.
+    fn lever(&self, settings: &Settings, axes: &Axes) -> Vector3<f64> {
+        let r_from_s = settings.kinematics.forward(axes);
+        self.posture.hanging_tcp(&r_from_s).translation.vector - r_from_s.translation.vector
+    }
+
     /// The component along the normal, of the tcp, of what the axes do (their rates or their accelerations at rest).
     fn along_normal(&self, settings: &Settings, axes: &Axes, rates: &Axes) -> f64 {
-        let r_from_s = settings.kinematics.forward(axes);
-        let lever = self.posture.hanging_tcp(&r_from_s).translation.vector - r_from_s.translation.vector;
         let (velocity, turning) = split(&(settings.kinematics.jacobian(axes) * rates));
-        (velocity + turning.cross(&lever))[NORMAL]
+        (velocity + turning.cross(&self.lever(settings, axes)))[NORMAL]
+    }
+
+    /// The torque (Nm) on the axes at `axes` under the desired wrench at the tcp.
+    fn torque(&self, settings: &Settings, axes: &Axes) -> Axes {
+        let Wrench { force, moment } = settings.desired;
+        let at_s = join(force, moment + self.lever(settings, axes).cross(&force));
+        settings.kinematics.jacobian(axes).tr_mul(&at_s)
     }
 
     /// Where the hanging tcp is to be at `tick` as far as no force law moves it: on the way to the object and with it,
@@ -385,12 +300,9 @@ impl Motion {
         };
         let distance = match self.contact {
             Some(contact) if settings.task.kind == TaskKind::Press => contact.distance_m,
-            _ => self.path_point(settings, tick).distance,
+            _ => self.path.map_or(0.0, |path| path.at(settings, tick).distance),
         };
-        let shift = self.path.and_then(|path| {
-            let (now, _) = expectation.at(tick as f64 * TICK_S)?;
-            Some((now - path.expected?) * (distance / path.free_m).min(1.0))
-        });
+        let shift = self.path.and_then(|path| path.shift(expectation, tick, distance));
         let mut coordinates = self
             .frame
             .coordinates(&self.posture.reference(shift.unwrap_or_default(), share));
@@ -423,115 +335,6 @@ impl Motion {
             },
         )
     }
-
-    /// How far the servos at `axes` will have yielded to the desired wrench at the coming instants; the first of them is
-    /// kept for the next cycle.
-    fn deviations(&mut self, settings: &Settings, axes: &Axes) -> [Axes; PREVIEW] {
-        let r_from_s = settings.kinematics.forward(axes);
-        let lever = self.posture.hanging_tcp(&r_from_s).translation.vector - r_from_s.translation.vector;
-        let desired = &settings.desired;
-        let at_s = join(desired.force, desired.moment + lever.cross(&desired.force));
-        let torque = settings.kinematics.jacobian(axes).tr_mul(&at_s);
-        let mut disturbance = self.disturbance;
-        std::array::from_fn(|i| {
-            for _ in 0..settings.period_ticks {
-                disturbance.advance(&torque);
-            }
-            if i == 0 {
-                self.disturbance = disturbance;
-            }
-            *disturbance.deviation()
-        })
-    }
-
-    /// The axes at `coordinates`, each on the branch of its predecessor. What was planned before for the same place, a
-    /// period later in the plan, is not computed again.
-    fn inverse(
-        &self,
-        settings: &Settings,
-        coordinates: &[Dofs; PREVIEW],
-    ) -> Result<[Axes; PREVIEW], Unreachable> {
-        let mut known = (self.plan.coordinates[0], self.plan.axes[0]);
-        let mut axes = [known.1; PREVIEW];
-        for (i, (wanted, slot)) in coordinates.iter().zip(&mut axes).enumerate() {
-            let planned = self.plan.coordinates.get(i + 1).zip(self.plan.axes.get(i + 1));
-            known = match planned {
-                _ if known.0 == *wanted => known,
-                Some((coordinates, axes)) if coordinates == wanted => (*wanted, *axes),
-                _ => {
-                    let pose = self.posture.sensor_pose(&self.frame.pose(wanted));
-                    (*wanted, settings.kinematics.inverse(&pose, &known.1)?)
-                }
-            };
-            *slot = known.1;
-        }
-        Ok(axes)
-    }
-
-    /// Bounds the way from the `actual` tcp to where set-points send it; whether that changes the first one.
-    fn bound(&self, settings: &Settings, actual: &Axes, set_points: &mut [Axes; HORIZON]) -> bool {
-        let tcp = |axes: &Axes| {
-            let r_from_s = settings.kinematics.forward(axes);
-            self.posture.hanging_tcp(&r_from_s).translation.vector
-        };
-        let (from, most) = (tcp(actual), settings.controller.max_lead_m);
-        let mut binds = [false; HORIZON];
-        for (set_point, binds) in set_points.iter_mut().zip(&mut binds) {
-            let lead = (tcp(set_point) - from).norm();
-            if lead > most {
-                *set_point = actual + (*set_point - actual) * (most / lead);
-                *binds = true;
-            }
-        }
-        binds[0]
-    }
-
-    /// The point of the approach where the robot is to be at `tick`.
-    fn path_point(&self, settings: &Settings, tick: i64) -> PathPoint {
-        self.path.map_or(PathPoint::default(), |path| {
-            path.approach.at(since(settings, path.start_tick, tick))
-        })
-    }
-}
-
-impl Path {
-    /// From the height `start_m` (m) of the hanging tcp at `tick`, no faster than `impact` allows.
-    fn new(
-        settings: &Settings,
-        expectation: &Expectation,
-        impact: Option<&ImpactMonitor>,
-        start_m: f64,
-        tick: i64,
-    ) -> Self {
-        let (task, expected) = (&settings.task, &settings.controller.expected);
-        let allowed = |speed: f64| impact.map_or(speed, |impact| impact.allowed_speed_m_per_s(speed));
-        let speed = allowed(task.approach_speed_m_per_s);
-        let reached = tick + settings.lead() * settings.period_ticks;
-        let object = expectation
-            .at(reached as f64 * TICK_S)
-            .map(|(position, _)| position);
-        // What the search begins above, and the least way worth speaking of.
-        let free_m = |height_m: f64| (start_m - height_m - expected.search_margin_m).max(1e-4);
-        let (approach, free_m) = match object {
-            Some(object) => {
-                let free_m = free_m(object.z);
-                let search_m = expected.search_margin_m + task.search_depth_m;
-                let approach =
-                    Approach::with_search(free_m, speed, search_m, allowed(expected.search_speed_m_per_s));
-                (approach, free_m)
-            }
-            None => {
-                let length_m = start_m - (task.expected_height_m - task.search_depth_m);
-                (Approach::new(length_m, speed), length_m)
-            }
-        };
-        Self {
-            approach,
-            start_tick: tick,
-            expected: object,
-            free_m,
-        }
-    }
 }
 
 /// The compliance of a tcp that hangs as in `posture`, in r.
@@ -547,88 +350,4 @@ fn tcp_compliance(
         rotation: rotation * compliance.rotation * rotation.transpose(),
     };
     TcpCompliance::new(&in_r, posture.lever(), selection)
-}
-
-/// Time (s) at `tick` since the first set-point of the cycle at `start` is reached.
-fn since(settings: &Settings, start: i64, tick: i64) -> f64 {
-    (tick - start - settings.lead() * settings.period_ticks) as f64 * TICK_S
-}
-
-/// What the status tells.
-impl Motion {
-    /// `r_from_ta1`: the deflected tcp at the newest sample.
-    pub(crate) fn tcp_pose(&self) -> &Pose {
-        &self.newest.r_from_ta1
-    }
-
-    pub(crate) fn deflection(&self) -> &Deflection {
-        &self.newest.sample.deflection
-    }
-
-    /// Contact force along the normal at the newest sample as contact detection sees it, N.
-    pub(crate) fn normal_force_n(&self) -> f64 {
-        self.newest.normal_force_n
-    }
-
-    /// Contact force along the normal at the newest sample, N, with the moments that are controlled accounted for.
-    pub(crate) fn force_n(&self) -> f64 {
-        if self.contact.is_some() && self.selection.contains(NORMAL) {
-            self.newest.wrench[NORMAL]
-        } else {
-            self.newest.normal_force_n
-        }
-    }
-
-    /// How far the tcp yields to what it touches at the newest sample, m.
-    pub(crate) fn yields_by_m(&self) -> f64 {
-        self.newest.yields_by_m
-    }
-
-    pub(crate) fn threshold_n(&self) -> f64 {
-        self.detector.threshold_n()
-    }
-
-    pub(crate) fn saturated(&self) -> bool {
-        self.newest.sample.flags.saturated
-    }
-
-    /// The impact that the present speed would cause, or that of the contact.
-    pub(crate) fn impact(&self) -> ImpactAssessment {
-        self.impact
-            .as_ref()
-            .map(ImpactMonitor::assessment)
-            .unwrap_or_default()
-    }
-
-    /// Whether the allowed force of the impact slows the approach.
-    pub(crate) fn slowed(&self, settings: &Settings) -> bool {
-        let requested = settings.task.approach_speed_m_per_s;
-        self.impact
-            .as_ref()
-            .is_some_and(|impact| impact.allowed_speed_m_per_s(requested) < requested)
-    }
-
-    pub(crate) fn in_contact(&self) -> bool {
-        self.contact.is_some()
-    }
-
-    /// Tick of the sample that detected the contact.
-    pub(crate) fn contact_tick(&self) -> Option<i64> {
-        self.contact.map(|contact| contact.sample_tick)
-    }
-
-    /// `r_from_o` with the tcp's pose where no law knows the object, and its velocity, m/s; `None` before a contact.
-    pub(crate) fn object(&self) -> Option<(Pose, Vector3<f64>)> {
-        let known = |dof| self.force_control.object(dof);
-        self.selection.iter().find_map(known)?;
-        let mut coordinates = self.frame.coordinates(&self.newest.r_from_ta1);
-        let mut velocity = Vector3::zeros();
-        for (dof, (position, rate)) in (0..6).filter_map(|dof| Some((dof, known(dof)?))) {
-            coordinates[dof] = position;
-            if dof < 3 {
-                velocity[dof] = rate;
-            }
-        }
-        Some((self.frame.pose(&coordinates), velocity))
-    }
 }

@@ -1,0 +1,91 @@
+//! The free motion to the object, where it may be and how it moves.
+
+use crate::Settings;
+use crate::approach::{Approach, PathPoint};
+use crate::expectation::Expectation;
+use crate::impact::ImpactMonitor;
+use nalgebra::Vector3;
+use spatial::TICK_S;
+
+/// The free motion that has begun.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Path {
+    approach: Approach,
+    start_tick: i64,
+    /// Where the object was expected at the start, m in r.
+    expected: Option<Vector3<f64>>,
+    /// Way over which the tcp joins the motion of the object, m.
+    free_m: f64,
+}
+
+impl Path {
+    /// From the height `start_m` (m) of the hanging tcp at `tick`, no faster than `impact` allows.
+    pub(super) fn new(
+        settings: &Settings,
+        expectation: &Expectation,
+        impact: Option<&ImpactMonitor>,
+        start_m: f64,
+        tick: i64,
+    ) -> Self {
+        let (task, expected) = (&settings.task, &settings.controller.expected);
+        let allowed = |speed: f64| impact.map_or(speed, |impact| impact.allowed_speed_m_per_s(speed));
+        let speed = allowed(task.approach_speed_m_per_s);
+        let reached = tick + settings.lead() * settings.period_ticks;
+        let object = expectation
+            .at(reached as f64 * TICK_S)
+            .map(|(position, _)| position);
+        // What the search begins above, and the least way worth speaking of.
+        let free_m = |height_m: f64| (start_m - height_m - expected.search_margin_m).max(1e-4);
+        let (approach, free_m) = match object {
+            Some(object) => {
+                let free_m = free_m(object.z);
+                let search_m = expected.search_margin_m + task.search_depth_m;
+                let approach =
+                    Approach::with_search(free_m, speed, search_m, allowed(expected.search_speed_m_per_s));
+                (approach, free_m)
+            }
+            None => {
+                let length_m = start_m - (task.expected_height_m - task.search_depth_m);
+                (Approach::new(length_m, speed), length_m)
+            }
+        };
+        Self {
+            approach,
+            start_tick: tick,
+            expected: object,
+            free_m,
+        }
+    }
+
+    /// How long it has lasted at `tick`, s.
+    pub(super) fn lasted_s(&self, tick: i64) -> f64 {
+        (tick - self.start_tick) as f64 * TICK_S
+    }
+
+    /// How long it lasts at most, s.
+    pub(super) fn duration_s(&self) -> f64 {
+        self.approach.duration()
+    }
+
+    /// Where on it the robot is to be at `tick`.
+    pub(super) fn at(&self, settings: &Settings, tick: i64) -> PathPoint {
+        self.approach.at(since(settings, self.start_tick, tick))
+    }
+
+    /// How far the tcp has gone along with the object at `tick`, after `distance_m` (m) of the way, m in r: it joins the
+    /// object's motion over the free way.
+    pub(super) fn shift(
+        &self,
+        expectation: &Expectation,
+        tick: i64,
+        distance_m: f64,
+    ) -> Option<Vector3<f64>> {
+        let (now, _) = expectation.at(tick as f64 * TICK_S)?;
+        Some((now - self.expected?) * (distance_m / self.free_m).min(1.0))
+    }
+}
+
+/// Time (s) at `tick` since the first set-point of the cycle at `start` is reached.
+pub(super) fn since(settings: &Settings, start: i64, tick: i64) -> f64 {
+    (tick - start - settings.lead() * settings.period_ticks) as f64 * TICK_S
+}
