@@ -1,7 +1,7 @@
 //! The force laws behind one interface, for one degree of freedom each.
 
-use crate::contact::{Aim, ContactSample, PREVIEW, Situation};
-use crate::dofs::{Dofs, Selection};
+use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch};
+use crate::dofs::{Dofs, NORMAL, Selection};
 use crate::impedance::Impedance;
 use crate::literal::Literal;
 use crate::object_model::ObjectModel;
@@ -109,7 +109,12 @@ impl ForceControl {
     /// Take one sample in contact, a value for each degree of freedom.
     pub fn take(&mut self, sample: impl Fn(usize) -> ContactSample) {
         for dof in self.selection.iter() {
-            self.laws[dof].take(&sample(dof));
+            let mut sample = sample(dof);
+            // Only along the normal is a lost object sought; elsewhere what swings in the air would be followed.
+            if dof != NORMAL && sample.touch == Touch::Lost {
+                sample.touch = Touch::Bounce;
+            }
+            self.laws[dof].take(&sample);
         }
     }
 

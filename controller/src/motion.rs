@@ -254,13 +254,19 @@ impl Motion {
         }
     }
 
-    /// Whether the newest sample, of `tick`, was taken in contact. Half of a small desired force is contact, too.
+    /// Whether the newest sample, of `tick`, was taken in contact: along the normal, or, where that is not force
+    /// controlled, along what is. Half of a small desired force is contact, too.
     fn touch(&mut self, settings: &Settings, tick: i64) -> Touch {
         let least_n = settings
             .controller
             .detection_threshold_n
             .min(0.5 * settings.task.desired_force_n);
-        if self.newest.normal_force_n >= least_n {
+        let force_n = if self.selection.contains(NORMAL) {
+            self.newest.normal_force_n
+        } else {
+            split(&self.newest.wrench).0.norm()
+        };
+        if force_n >= least_n {
             self.touched_tick = tick;
         }
         match tick - self.touched_tick {
