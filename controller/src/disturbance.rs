@@ -17,14 +17,7 @@ use std::f64::consts::TAU;
 /// How the servos of the axes yield, at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disturbance {
-    /// k, 1/s.
-    position_gain: f64,
-    /// T_i, s.
-    integral_time_s: f64,
-    /// K_v, Nm s/rad.
-    velocity_gain: Axes,
-    /// m, kg m^2.
-    inertia: Axes,
+    servos: [Servo; 6],
     /// y, rad.
     deviation: Axes,
     /// y', rad/s.
@@ -33,15 +26,38 @@ pub struct Disturbance {
     integral: Axes,
 }
 
+/// What a tick makes of a servo's state; a division takes as long as ten products.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Servo {
+    /// k, 1/s.
+    position_gain: f64,
+    /// K_v k, Nm/rad.
+    stiffness: f64,
+    /// h K_v / T_i, Nm per rad/s.
+    integral_gain: f64,
+    /// h / m, s/(kg m^2).
+    push: f64,
+    /// 1 / (1 + h K_v / m).
+    damping: f64,
+}
+
 impl Disturbance {
     /// The servos that the controller assumes, undisturbed.
     pub fn new(servo: &scenario::AssumedServo) -> Self {
-        let motor = Axes::from(servo.motor_inertia_kg_m2);
+        let one = |axis: usize| {
+            let motor = servo.motor_inertia_kg_m2[axis];
+            let velocity_gain = motor * TAU * servo.velocity_bandwidth_hz;
+            let push = TICK_S / (motor + servo.link_inertia_kg_m2[axis]);
+            Servo {
+                position_gain: servo.position_gain_per_s,
+                stiffness: velocity_gain * servo.position_gain_per_s,
+                integral_gain: TICK_S * velocity_gain / servo.velocity_integral_time_s,
+                push,
+                damping: 1.0 / (1.0 + push * velocity_gain),
+            }
+        };
         Self {
-            position_gain: servo.position_gain_per_s,
-            integral_time_s: servo.velocity_integral_time_s,
-            velocity_gain: motor * (TAU * servo.velocity_bandwidth_hz),
-            inertia: motor + Axes::from(servo.link_inertia_kg_m2),
+            servos: std::array::from_fn(one),
             deviation: Axes::zeros(),
             rate: Axes::zeros(),
             integral: Axes::zeros(),
@@ -71,15 +87,12 @@ impl Disturbance {
     /// One tick under the torque `tau` (Nm) of the environment on the axes; the rate is damped implicitly, so that no
     /// gain makes the step unstable.
     pub fn advance(&mut self, tau: &Axes) {
-        let h = TICK_S;
-        for axis in 0..6 {
-            let (gain, inertia) = (self.velocity_gain[axis], self.inertia[axis]);
-            let push = tau[axis] - gain * self.position_gain * self.deviation[axis] - self.integral[axis];
-            let rate = (self.rate[axis] + h / inertia * push) / (1.0 + h * gain / inertia);
-            self.rate[axis] = rate;
-            self.deviation[axis] += h * rate;
-            let error = rate + self.position_gain * self.deviation[axis];
-            self.integral[axis] += h * gain / self.integral_time_s * error;
+        for (axis, servo) in self.servos.iter().enumerate() {
+            let push = tau[axis] - servo.stiffness * self.deviation[axis] - self.integral[axis];
+            self.rate[axis] = (self.rate[axis] + servo.push * push) * servo.damping;
+            self.deviation[axis] += TICK_S * self.rate[axis];
+            let error = self.rate[axis] + servo.position_gain * self.deviation[axis];
+            self.integral[axis] += servo.integral_gain * error;
         }
     }
 }

@@ -212,7 +212,9 @@ impl Motion {
         let reached: [i64; PREVIEW] =
             std::array::from_fn(|i| tick + (settings.lead() + i as i64) * settings.period_ticks);
         let leads = feeds_forward(settings.controller.law);
-        let mut coordinates = reached.map(|tick| self.reference(settings, expectation, tick, leads));
+        let mut known = None;
+        let mut coordinates =
+            reached.map(|tick| self.reference(settings, expectation, tick, leads, &mut known));
         if self.contact.is_some() {
             for (all, demand) in coordinates.iter_mut().zip(self.demand(settings, &reached)) {
                 *all = self.selection.merge(&demand, all);
@@ -281,12 +283,15 @@ impl Motion {
     /// Where the hanging tcp is to be at `tick` as far as no force law moves it: on the way to the object and with it,
     /// and in the posture that keeps the tool's reference. What leads the robot is led here if the law is not fed
     /// forward.
+    ///
+    /// `known` is what stood in the posture for the instant before: shift, share and coordinates.
     fn reference(
         &self,
         settings: &Settings,
         expectation: &Expectation,
         tick: i64,
         fed_forward: bool,
+        known: &mut Option<(Vector3<f64>, f64, Dofs)>,
     ) -> Dofs {
         let tilt = self.contact.map_or(PathPoint::default(), |contact| {
             let time = since(settings, contact.cycle_tick, tick);
@@ -303,9 +308,12 @@ impl Motion {
             _ => self.path.map_or(0.0, |path| path.at(settings, tick).distance),
         };
         let shift = self.path.and_then(|path| path.shift(expectation, tick, distance));
-        let mut coordinates = self
-            .frame
-            .coordinates(&self.posture.reference(shift.unwrap_or_default(), share));
+        let shift = shift.unwrap_or_default();
+        let mut coordinates = match *known {
+            Some((before, at, coordinates)) if before == shift && at == share => coordinates,
+            _ => self.frame.coordinates(&self.posture.reference(shift, share)),
+        };
+        *known = Some((shift, share, coordinates));
         coordinates[NORMAL] -= distance;
         coordinates
     }
