@@ -7,7 +7,9 @@ build := if [ -t 2 ]; then export CARGO_TERM_PROGRESS_WHEN=always CARGO_TERM_PRO
 
 touchdown := target/release/touchdown
 
-.PHONY: help demo test bits bench doctor check format lint doc clean
+all_laws := pd,pd-reset,literal,proposed,impedance
+
+.PHONY: help demo laws test bits bench doctor check format lint doc clean
 
 help: ## list the targets (default)
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile | expand -t 10
@@ -15,6 +17,14 @@ help: ## list the targets (default)
 demo: ## the paper's experiment with both laws, as three processes over LCM: table, figure, data in target/demo
 	@$(build)
 	@$(touchdown) run arm --laws proposed,pd --out target/demo
+
+laws: ## every law on every robot over contact phases and seeds: docs/laws.txt
+	@$(build)
+	@{ $(touchdown) compare paper --laws $(all_laws) && \
+	   $(touchdown) compare arm --kinematics arm --laws $(all_laws) && \
+	   $(touchdown) compare elastic --robots elastic --kinematics gantry,arm --laws $(all_laws); } >target/laws.txt
+	@mv target/laws.txt docs/laws.txt
+	@cat docs/laws.txt
 
 test: ## all tests
 	@./setup.sh test cargo test --workspace --locked
