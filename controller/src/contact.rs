@@ -59,3 +59,13 @@ pub struct Situation {
     /// T, s.
     pub period_s: f64,
 }
+
+#[cfg(test)]
+impl Aim {
+    /// 10 N with the tool of the paper's experiment.
+    pub(crate) const PAPER: Self = Self {
+        wrench: 10.0,
+        displacement: 280e-6,
+        compliance: 28e-6,
+    };
+}

@@ -106,11 +106,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const AIM: Aim = Aim {
-        wrench: 10.0,
-        displacement: 280e-6,
-        compliance: 28e-6,
-    };
+    const AIM: Aim = Aim::PAPER;
 
     /// Where the motion is after `periods`, from 20 mm/s at 0 towards an object at 0.
     fn end(parameters: &scenario::Impedance, periods: usize) -> f64 {

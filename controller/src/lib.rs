@@ -137,12 +137,12 @@ impl Controller {
                 kinematics: scenario.robot.kinematics(),
                 compliance,
                 d: controller.tcp_in_s_m.into(),
-                desired: match scenario.task.kind {
-                    TaskKind::Press => Wrench {
-                        force: Vector3::new(0.0, 0.0, scenario.task.desired_force_n),
-                        moment: scenario.task.desired_moment_nm.into(),
+                desired: Wrench {
+                    force: Vector3::z() * scenario.task.pressing_force_n(),
+                    moment: match scenario.task.kind {
+                        TaskKind::Press => scenario.task.desired_moment_nm.into(),
+                        TaskKind::Position | TaskKind::Calibrate => Vector3::zeros(),
                     },
-                    TaskKind::Position | TaskKind::Calibrate => Wrench::default(),
                 },
             },
             phase: ControllerPhase::Init,

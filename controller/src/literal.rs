@@ -37,11 +37,7 @@ mod tests {
     #[test]
     fn equation_2() {
         let mut law = Literal::default();
-        let aim = Aim {
-            wrench: 10.0,
-            displacement: 280e-6,
-            compliance: 28e-6,
-        };
+        let aim = Aim::PAPER;
         assert_eq!(law.set_point(&aim, 0.5), 0.5);
         let (actual, wrench) = (0.099_9, 3.0);
         law.take(&ContactSample {

@@ -69,11 +69,7 @@ mod tests {
     use super::*;
     use node::scenario::ObjectMotion;
 
-    const AIM: Aim = Aim {
-        wrench: 10.0,
-        displacement: 280e-6,
-        compliance: 28e-6,
-    };
+    const AIM: Aim = Aim::PAPER;
 
     fn met(time_s: f64, object: f64) -> ContactSample {
         ContactSample {

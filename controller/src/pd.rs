@@ -72,11 +72,7 @@ impl Pd {
 mod tests {
     use super::*;
 
-    const AIM: Aim = Aim {
-        wrench: 10.0,
-        displacement: 280e-6,
-        compliance: 28e-6,
-    };
+    const AIM: Aim = Aim::PAPER;
 
     fn sample(wrench: f64) -> ContactSample {
         ContactSample {

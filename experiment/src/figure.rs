@@ -38,7 +38,7 @@ impl LabelledCurve {
         Ok(Self {
             law: law.to_owned(),
             title: title(law),
-            desired_force_n: scenario.task.desired_force_n,
+            desired_force_n: scenario.task.pressing_force_n(),
             curve: recording.force_curve().unwrap_or_default(),
             measured,
             metrics,
@@ -142,7 +142,7 @@ mod tests {
         LabelledCurve {
             law: law.to_owned(),
             title: title(law),
-            desired_force_n: scenario.task.desired_force_n,
+            desired_force_n: scenario.task.pressing_force_n(),
             curve: recording.force_curve().unwrap(),
             measured,
             metrics: recording.metrics().unwrap(),

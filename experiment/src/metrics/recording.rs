@@ -55,7 +55,7 @@ impl Recording {
         Self {
             duration_s: scenario.timing.duration_s,
             standstill_ticks: libm::floor(scenario.task.standstill_s / TICK_S) as i64,
-            desired_force_n: scenario.task.desired_force_n,
+            desired_force_n: scenario.task.pressing_force_n(),
             stiffness_n_per_m: scenario.sensor.stiffness_n_per_m,
             stiffness_nm_per_rad: scenario.sensor.stiffness_nm_per_rad,
             tcp_in_s: scenario.tool.tcp_in_s_m.into(),

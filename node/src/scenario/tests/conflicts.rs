@@ -223,3 +223,23 @@ fn an_object_pose_comes_with_a_cycle_of_the_controller() {
     );
     assert!(Scenario::parse("a.toml", "object_sensor.period_ticks = 10", &[]).is_ok());
 }
+
+#[test]
+fn each_kind_of_task_has_what_it_needs() {
+    assert_eq!(
+        refusal("[task.force_controlled]\nz = false", &[]),
+        "a.toml:2:1: task.kind is \"press\", but task.force_controlled.z is false: nothing would press; set it to true, \
+         or task.kind = \"position\""
+    );
+    assert_eq!(
+        refusal("task.kind = \"position\"", &[]),
+        "a.toml:1:6: task.kind is \"position\", but task.force_controlled.z is true: the position lies along z; set it \
+         to false, or task.kind = \"press\""
+    );
+    assert_eq!(
+        refusal("", &["controller.expected.from=object-sensor"]),
+        "--set controller.expected.from=object-sensor: controller.expected.from is \"object-sensor\", but there is none: \
+         the approach would never begin; set object_sensor.enabled = true, or expect the object from a \"model\" or \
+         \"nothing\""
+    );
+}
