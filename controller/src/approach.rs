@@ -78,12 +78,18 @@ impl Approach {
 
     /// Over `free` (m) with at most `speed` (m/s), and `search` (m) with `search_speed`, which is the slower one.
     pub fn with_search(free: f64, speed: f64, search: f64, search_speed: f64) -> Self {
-        let slow = search_speed.min(speed).min(free / ramp_time(speed));
-        let (ramp_up, ramp_down) = (ramp_time(speed), ramp_time(speed - slow));
+        // No faster than what can start and be held within the free way, and stop within the search: `slow^2 / (2 0.25
+        // m/s^2)`, or half of 0.1 s at that speed.
+        let slow = search_speed
+            .min(speed)
+            .min(free / (0.5 * ramp_time(search_speed) + ramp_time(0.0)))
+            .min((20.0 * search).min((0.5 * search).sqrt()));
         // What fits into the free way: half of each ramp's duration at full speed.
+        let (ramp_up, ramp_down) = (ramp_time(speed), ramp_time(speed - slow));
         let speed = speed
             .min((2.0 * free - slow * ramp_down) / (ramp_up + ramp_down))
             .max(slow);
+        let (ramp_up, ramp_down) = (ramp_time(speed), ramp_time(speed - slow));
         let stop = ramp_time(slow);
         let ramps = [
             Stretch::ramp(0.0, speed, ramp_up),
@@ -172,7 +178,7 @@ mod tests {
             prop_assert!(point.speed <= speed * (1.0 + 1e-12));
             prop_assert!(point.distance < free - 1e-9 || point.speed <= slow * (1.0 + 1e-9), "{point:?}");
             let end = path.at(path.duration()).distance;
-            prop_assert!(end >= free + search - 1e-9 && path.at(path.duration() + 1.0).speed == 0.0);
+            prop_assert!((end - free - search).abs() < 1e-9 && path.at(path.duration() + 1.0).speed == 0.0);
         }
 
         #[test]

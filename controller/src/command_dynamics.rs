@@ -72,11 +72,6 @@ impl CommandDynamics {
         }
     }
 
-    /// The set-point last given, rad.
-    pub fn setpoint(&self) -> &Axes {
-        &self.setpoint
-    }
-
     /// The set-point at which a robot at `position` moving with `velocity` accelerates with `acceleration`:
     /// the inverse `c = x + 2 zeta / w x' + x'' / w^2`. Linear, hence for any coordinate.
     pub fn inverse(&self, position: f64, velocity: f64, acceleration: f64) -> f64 {

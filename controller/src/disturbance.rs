@@ -1,7 +1,6 @@
 //! The desired force as a disturbance of the position control, known in advance.
 //!
-//! Paper II-B: the feed-forward of ideal position control also compensates the disturbance that the desired forces and
-//! moments are. The contact force acts on the axes, whose servos yield to it until their integral parts have taken it
+//! Paper II-B: to ideal position control the desired wrench is a known disturbance, which the feed-forward takes away. The contact force acts on the axes, whose servos yield to it until their integral parts have taken it
 //! over. That deviation is computed from what is known of the servos, and the desired pose is led by it.
 //!
 //! Model choice: the servo of `robot-sim` as a manufacturer would describe it. With y the deviation of an axis from its

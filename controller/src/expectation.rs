@@ -1,7 +1,6 @@
 //! Where the object is expected before the tool touches it: from a model, or from a non-contact sensor.
 //!
-//! Paper II-B: an expected impact can be taken into account, unlike an unexpected one; section IV-C: where a
-//! non-contact sensor has predicted the collision, the speed at the impact can be reduced to almost zero. So the
+//! Paper II-B and IV-C: of an impact that is foreseen, the speed and with it the force can be made small. So the
 //! approach slows down where the object is expected, and moves with the object if that moves.
 
 use crate::fading_memory::FadingMemory;
@@ -9,9 +8,6 @@ use nalgebra::Vector3;
 use node::scenario::{Expected, ExpectedFrom, Scenario};
 use spatial::Pose;
 use spatial::ports::ObjectPose;
-
-/// How long a sensor's estimate is extrapolated beyond its newest sample, s; then the object is taken to stop.
-const LONGEST_PREDICTION_S: f64 = 0.2;
 
 /// Where the tcp will be when it touches the object, in r.
 #[derive(Clone, Debug)]
@@ -63,8 +59,6 @@ impl Expectation {
             ExpectedFrom::Nothing => None,
             ExpectedFrom::Model => Some((self.modelled, Vector3::zeros())),
             ExpectedFrom::ObjectSensor => {
-                let newest_s = 1e-6 * self.newest_utime? as f64;
-                let time_s = time_s.min(newest_s + LONGEST_PREDICTION_S);
                 let mut position = Vector3::zeros();
                 let mut velocity = Vector3::zeros();
                 for (axis, memory) in self.seen.iter().enumerate() {
@@ -75,9 +69,9 @@ impl Expectation {
         }
     }
 
-    /// Whether the approach can begin: what is to be expected is known.
+    /// Whether the approach can begin: what is to be expected is known, its velocity included.
     pub fn ready(&self) -> bool {
-        self.source != ExpectedFrom::ObjectSensor || self.newest_utime.is_some()
+        self.source != ExpectedFrom::ObjectSensor || self.seen.iter().all(FadingMemory::is_settled)
     }
 
     /// Paper, footnote 3: the pose of the object's frame, seen from the tcp that touches it.
@@ -145,13 +139,18 @@ mod tests {
         for n in 0..=500 {
             expectation.take(&seen(8_000 * n, 0.05 * 8e-3 * n as f64, true));
         }
-        for (time, x) in [(4.0, 0.19), (4.1, 0.195), (4.2, 0.2), (9.0, 0.2)] {
+        for (time, x, speed) in [
+            (4.0, 0.19, 0.05),
+            (4.1, 0.195, 0.05),
+            (4.15, 0.1975, 0.05),
+            (9.0, 0.2, 0.0),
+        ] {
             let (position, velocity) = expectation.at(time).unwrap();
             assert!(
                 (position - Vector3::new(x, 0.0, 0.02)).norm() < 1e-9,
                 "{position}"
             );
-            assert!((velocity.x - 0.05).abs() < 1e-9);
+            assert!((velocity.x - speed).abs() < 1e-9);
         }
     }
 }

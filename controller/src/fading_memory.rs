@@ -3,6 +3,9 @@
 /// Longest gap between two samples that is bridged, s: beyond it the filter starts anew.
 const LONGEST_GAP_S: f64 = 0.1;
 
+/// How long a motion is predicted beyond its newest sample, s.
+pub const LONGEST_PREDICTION_S: f64 = 0.2;
+
 /// How often the memory is to be filled before the degree grows.
 const MEMORIES_PER_DEGREE: f64 = 5.0;
 
@@ -73,7 +76,7 @@ impl FadingMemory {
     pub fn take(&mut self, time_s: f64, position: f64) {
         let Some(state) = self.state.filter(|state| {
             let gap = time_s - state.time_s;
-            gap > 0.0 && gap <= LONGEST_GAP_S
+            (0.0..=LONGEST_GAP_S).contains(&gap)
         }) else {
             self.restart(time_s, position, self.expected_velocity);
             return;
@@ -85,12 +88,14 @@ impl FadingMemory {
         let dt = time_s - state.time_s;
         let predicted = state.at(time_s);
         let residual = position - predicted.position;
+        // Two samples of one instant tell nothing of the velocity.
+        let rate = if dt > 0.0 { 1.0 / dt } else { 0.0 };
         self.state = Some(State {
             count,
             time_s,
             position: predicted.position + g * residual,
-            velocity: predicted.velocity + h * residual / dt,
-            acceleration: predicted.acceleration + k * residual / (dt * dt),
+            velocity: predicted.velocity + h * residual * rate,
+            acceleration: predicted.acceleration + k * residual * (rate * rate),
         });
     }
 
@@ -105,14 +110,22 @@ impl FadingMemory {
         });
     }
 
-    /// Position and velocity at `time_s`; `None` before the first sample.
+    /// Position and velocity at `time_s`; `None` before the first sample. What is not heard of for longer than
+    /// [`LONGEST_PREDICTION_S`] is taken to stop where it was predicted to be then.
     pub fn at(&self, time_s: f64) -> Option<(f64, f64)> {
         self.state.map(|state| {
+            let last_s = state.time_s + LONGEST_PREDICTION_S;
             let State {
                 position, velocity, ..
-            } = state.at(time_s);
-            (position, velocity)
+            } = state.at(time_s.min(last_s));
+            (position, if time_s > last_s { 0.0 } else { velocity })
         })
+    }
+
+    /// Whether the memory has been filled often enough for the polynomial's full degree.
+    pub fn is_settled(&self) -> bool {
+        self.state
+            .is_some_and(|state| state.count * self.last >= MEMORIES_PER_DEGREE * self.degree as f64)
     }
 
     /// Position and velocity at the newest sample.
@@ -172,9 +185,13 @@ mod tests {
         let theta = 0.8;
         for degree in 0..=2 {
             let mut filter = FadingMemory::new(degree, 1.0 - theta, 1.0 - theta);
-            filter.take(0.0, 0.0);
-            filter.take(DT, 1.0);
-            let x: Vec<f64> = (2..12)
+            // Until the degree is full.
+            let before = 60;
+            for n in 0..before {
+                filter.take(f64::from(n) * DT, 0.0);
+            }
+            filter.take(f64::from(before) * DT, 1.0);
+            let x: Vec<f64> = (before + 1..before + 11)
                 .map(|n| {
                     filter.take(f64::from(n) * DT, 0.0);
                     filter.newest().unwrap().0
@@ -190,6 +207,22 @@ mod tests {
                 assert!(sum.abs() < 1e-12, "degree {degree}: {sum}");
             }
         }
+    }
+
+    #[test]
+    fn samples_of_one_instant_are_averaged_and_long_silence_is_rest() {
+        let mut filter = FadingMemory::new(0, 0.5, 0.5);
+        for position in [0.0, 1.0] {
+            filter.take(0.1, position);
+        }
+        assert_eq!(filter.newest(), Some((0.5, 0.0)));
+        let mut moving = FadingMemory::new(1, 0.1, 0.1);
+        for n in 0..400 {
+            moving.take(f64::from(n) * DT, 0.05 * f64::from(n) * DT);
+        }
+        let (position, velocity) = moving.at(9.0).unwrap();
+        assert!((position - 0.05 * (0.399 + LONGEST_PREDICTION_S)).abs() < 1e-9);
+        assert_eq!(velocity, 0.0);
     }
 
     #[test]

@@ -33,7 +33,8 @@ impl DofLaw {
             Law::Proposed => Self::Proposed(object()),
             Law::Impedance => Self::Impedance(Impedance::new(&controller.impedance, dof, object())),
             Law::PdReset => Self::Pd(Pd::new(&controller.pd, dof, true)),
-            _ => Self::Pd(Pd::new(&controller.pd, dof, false)),
+            // Those that do not exist yet are refused with the scenario.
+            Law::Pd | Law::Elastic | Law::Ros2 | Law::Fzi => Self::Pd(Pd::new(&controller.pd, dof, false)),
         }
     }
 

@@ -83,6 +83,8 @@ pub struct Controller {
     fault: Fault,
     encoders: EncoderHistory,
     newest_sample_utime: i64,
+    /// Tick at which that sample came.
+    heard_tick: i64,
     expectation: Expectation,
     sensing: Sensing,
     start: Axes,
@@ -149,6 +151,7 @@ impl Controller {
             fault: Fault::None,
             encoders: EncoderHistory::default(),
             newest_sample_utime: i64::MIN,
+            heard_tick: 0,
             expectation: Expectation::new(scenario),
             sensing: Sensing::new(controller, compliance),
             start: Axes::zeros(),
@@ -182,6 +185,7 @@ impl Controller {
         for sample in deflections.samples.iter().rev() {
             if self.sensing.usable(sample) && sample.utime > self.newest_sample_utime {
                 self.newest_sample_utime = sample.utime;
+                self.heard_tick = tick;
                 self.take(sample, tick);
             }
         }
@@ -245,7 +249,7 @@ impl Controller {
         let time = tick as f64 * TICK_S;
         match self.phase {
             ControllerPhase::Sync if time >= settings.controller.tare_s => {
-                if let Some(noise_m) = self.sensing.finish_tare() {
+                if let Some(noise_m) = self.sensing.finish_tare(settings.controller.tare_s) {
                     let zero = self.sensing.zero();
                     self.motion = Some(Motion::new(settings, &zero, noise_m, &self.start));
                     self.tilting = Tilting::of(settings, &self.start);
@@ -266,8 +270,12 @@ impl Controller {
             _ => {}
         }
         let Some(motion) = &mut self.motion else { return };
+        let silent_s = (tick - self.heard_tick) as f64 * TICK_S;
+        if silent_s > settings.controller.stale_fault_s {
+            return self.fail(Fault::SensorStale);
+        }
         let ended = match self.phase {
-            ControllerPhase::Approach | ControllerPhase::Contact => {
+            ControllerPhase::Approach | ControllerPhase::Contact | ControllerPhase::Settled => {
                 let so_far = motion.approached_for(settings, &self.expectation, tick);
                 so_far > motion.approach_duration()
             }
@@ -276,6 +284,11 @@ impl Controller {
         match (settings.task.kind, self.phase) {
             (_, ControllerPhase::Approach) if motion.in_contact() => self.phase = ControllerPhase::Contact,
             (TaskKind::Press, ControllerPhase::Approach) if ended => self.fail(Fault::NoContact),
+            (TaskKind::Press, ControllerPhase::Contact | ControllerPhase::Settled)
+                if motion.lost_beyond_search() =>
+            {
+                self.fail(Fault::NoContact);
+            }
             (TaskKind::Press, ControllerPhase::Contact | ControllerPhase::Settled) => {
                 let error = motion.force_n() - settings.task.desired_force_n;
                 let inside = libm::fabs(error) <= settings.controller.settled_band_n;
@@ -286,10 +299,15 @@ impl Controller {
                     self.phase = ControllerPhase::Contact;
                 }
             }
-            (TaskKind::Position, ControllerPhase::Approach | ControllerPhase::Contact) => {
+            (
+                TaskKind::Position,
+                ControllerPhase::Approach | ControllerPhase::Contact | ControllerPhase::Settled,
+            ) => {
                 if motion.yields_by_m() > settings.task.tolerance_m {
                     self.fail(Fault::ToleranceExceeded);
-                } else if ended {
+                } else if motion.saturated() {
+                    self.fail(Fault::DeflectionSaturated);
+                } else if ended && motion.arrived(settings.task.tolerance_m) {
                     self.phase = ControllerPhase::Settled;
                 }
             }
@@ -297,20 +315,23 @@ impl Controller {
         }
     }
 
+    /// Latch `fault`, unless another one came first.
     fn fail(&mut self, fault: Fault) {
         self.phase = ControllerPhase::Fault;
-        self.fault = fault;
+        if self.fault == Fault::None {
+            self.fault = fault;
+        }
     }
 
-    /// The next set-points of the axes, one period apart. A pose that kinematics can't reach latches a fault. Then, and
-    /// where more is in the way than a task tolerates, the axes stay at the set-point last given.
+    /// The next set-points of the axes, one period apart. A pose that kinematics can't reach latches a fault. After any
+    /// fault the axes stay at the set-point last given.
     fn set_points(&mut self, tick: i64, actual: &Axes) -> [Axes; HORIZON] {
         self.limits = 0;
         let held = [self.commanded; HORIZON];
         let Some(motion) = &mut self.motion else {
             return held;
         };
-        if matches!(self.fault, Fault::Unreachable | Fault::ToleranceExceeded) {
+        if self.fault != Fault::None {
             return held;
         }
         let settings = &self.settings;

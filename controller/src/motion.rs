@@ -10,7 +10,7 @@ pub(crate) use sensed::Sample;
 use crate::Settings;
 use crate::approach::{PathPoint, spread};
 use crate::command_dynamics::CommandDynamics;
-use crate::contact::{Aim, ContactSample, PREVIEW, Situation};
+use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch};
 use crate::detection::Detector;
 use crate::disturbance::Disturbance;
 use crate::dofs::{Dofs, NORMAL, Selection, TaskFrame, TcpCompliance};
@@ -51,6 +51,8 @@ pub(crate) struct Motion {
     contact: Option<Contact>,
     newest: Sensed,
     plan: Plan,
+    /// The lowest height that a force law may seek, m.
+    lowest_m: f64,
     settled_cycles: i64,
 }
 
@@ -118,6 +120,7 @@ impl Motion {
             contact: None,
             newest: Sensed::new(&sample, &r_from_s, &posture, &compliance),
             plan: Plan::stay(coordinates, *start),
+            lowest_m: f64::NEG_INFINITY,
             settled_cycles: 0,
         }
     }
@@ -161,6 +164,7 @@ impl Motion {
         }
         if let Some(contact) = &mut self.contact {
             let touch = contact.touch(settings, &self.selection, &sensed);
+            contact.lost = touch == Touch::Lost;
             // Paper (12).
             let object = self.frame.coordinates(&sensed.r_from_ta1);
             let actual = self.frame.coordinates(&sensed.hanging);
@@ -216,8 +220,11 @@ impl Motion {
         let mut coordinates =
             reached.map(|tick| self.reference(settings, expectation, tick, leads, &mut known));
         if self.contact.is_some() {
+            let lowest = self.lowest(expectation, reached[0]);
+            self.lowest_m = lowest;
             for (all, demand) in coordinates.iter_mut().zip(self.demand(settings, &reached)) {
                 *all = self.selection.merge(&demand, all);
+                all[NORMAL] = all[NORMAL].max(lowest);
             }
         }
         let kinematics = &settings.kinematics;
@@ -240,10 +247,14 @@ impl Motion {
         };
         let most = settings.controller.max_lead_m;
         let bound = bound_lead(kinematics, &self.posture, most, actual, &mut set_points);
+        if let Some(path) = self.path.as_mut().filter(|_| bound) {
+            // The way waits for a robot that does not follow.
+            path.wait(settings.period_ticks);
+        }
         let acceleration = self.dynamics.advance(&set_points[0]);
         if self.contact.is_none() {
-            let normal = self.along_normal(settings, &set_points[0], &acceleration);
-            self.detector.follow(normal, settings.period_ticks);
+            let acceleration = self.tcp_acceleration(settings, &set_points[0], &acceleration);
+            self.detector.follow(acceleration, settings.period_ticks);
         } else {
             self.detector.follow(0.0, settings.period_ticks);
         }
@@ -261,16 +272,25 @@ impl Motion {
         Ok((set_points, bound))
     }
 
+    /// The lowest height of the hanging tcp at `tick`, m: where it presses at the end of the search.
+    fn lowest(&self, expectation: &Expectation, tick: i64) -> f64 {
+        let end = self
+            .path
+            .map_or(f64::NEG_INFINITY, |path| path.end_m(expectation, tick));
+        end - libm::fabs(self.desired_displacement[NORMAL])
+    }
+
     /// From the sensor frame to the hanging tcp while the axes are at `axes`, m in r.
     fn lever(&self, settings: &Settings, axes: &Axes) -> Vector3<f64> {
         let r_from_s = settings.kinematics.forward(axes);
         self.posture.hanging_tcp(&r_from_s).translation.vector - r_from_s.translation.vector
     }
 
-    /// The component along the normal, of the tcp, of what the axes do (their rates or their accelerations at rest).
-    fn along_normal(&self, settings: &Settings, axes: &Axes, rates: &Axes) -> f64 {
-        let (velocity, turning) = split(&(settings.kinematics.jacobian(axes) * rates));
-        (velocity + turning.cross(&self.lever(settings, axes)))[NORMAL]
+    /// The magnitude of the tcp's acceleration (m/s^2) that `changes` (rad/s^2) of the axes at `axes` cause: whatever its
+    /// direction, the tool's swing shows along the normal.
+    fn tcp_acceleration(&self, settings: &Settings, axes: &Axes, changes: &Axes) -> f64 {
+        let (linear, angular) = split(&(settings.kinematics.jacobian(axes) * changes));
+        (linear + angular.cross(&self.lever(settings, axes))).norm()
     }
 
     /// The torque (Nm) on the axes at `axes` under the desired wrench at the tcp.

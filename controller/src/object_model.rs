@@ -132,7 +132,7 @@ mod tests {
             object_motion: ObjectMotion::Steady,
             ..Default::default()
         });
-        for n in 0..500 {
+        for n in 0..950 {
             let time = f64::from(n) * 1e-3;
             object.take(&met(time, 0.02 * time));
         }

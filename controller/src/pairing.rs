@@ -1,7 +1,6 @@
 //! Which actual pose belongs to which deflection: paired by sampling time, never by arrival.
 //!
-//! Paper, below (2): "forces and moments are measured synchronously to the robot's actual pose" is an assumption
-//! there; here it is made true. (PLANT.md: without it a sensor delay of 32 ms costs 380 instead of 98 ms.)
+//! Paper, below (2): that force and pose belong to the same instant is an assumption there; here it is made true. (PLANT.md: without it a sensor delay of 32 ms costs 380 instead of 98 ms.)
 
 use spatial::TICK_US;
 use spatial::kinematics::Axes;

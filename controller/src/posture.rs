@@ -5,7 +5,7 @@
 //! T_td'^-1.
 
 use crate::dofs::{Dofs, displacement};
-use crate::transform::{deflection_at_tcp, desired_pose, wrench_at_sensor};
+use crate::transform::{deflection_at_tcp, desired_pose, object_pose, wrench_at_sensor};
 use nalgebra::{UnitQuaternion, Vector3};
 use node::scenario::Transform;
 use spatial::kinematics::join;
@@ -129,7 +129,10 @@ impl Posture {
 
     /// Paper (12): `r_from_ta1 = r_from_o`, where the deflected tcp is.
     pub fn deflected_tcp(&self, r_from_s: &Pose, deflection: &Deflection) -> Pose {
-        r_from_s * self.s_from_t * at_tcp(self.transform, deflection, &self.s_from_t)
+        object_pose(
+            &(r_from_s * self.s_from_t),
+            &at_tcp(self.transform, deflection, &self.s_from_t),
+        )
     }
 
     /// The lever d in r of the hanging tool whose orientation is kept.

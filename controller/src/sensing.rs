@@ -5,7 +5,7 @@ use crate::drift::DriftWatch;
 use crate::tare::Tare;
 use node::scenario::{self, SensorOutput};
 use spatial::ports::DeflectionSample;
-use spatial::{Compliance, Deflection};
+use spatial::{Compliance, Deflection, TICK_S};
 
 /// The sensor as the controller knows it.
 #[derive(Clone, Debug)]
@@ -84,9 +84,9 @@ impl Sensing {
         self.tare.add(sample, normal_m);
     }
 
-    /// The noise (m rms) of the tcp's displacement along the normal, once there is something to tare with.
-    pub(crate) fn finish_tare(&mut self) -> Option<f64> {
-        self.tared = self.tare.count() > 0;
+    /// The noise (m rms) of the tcp's displacement along the normal, once there are `tare_s` (s) of samples to tare with.
+    pub(crate) fn finish_tare(&mut self, tare_s: f64) -> Option<f64> {
+        self.tared = f64::from(self.tare.count()) >= libm::rint(tare_s / TICK_S).max(1.0);
         self.tared.then(|| self.tare.noise_m())
     }
 

@@ -157,7 +157,7 @@ fn what_a_run_does_not_tell_is_named() {
     );
     assert_eq!(
         error(&["sensor.dropout_start_s=0.3", "sensor.dropout_duration_s=0.3"]),
-        "the sensor gave no valid sample in rest 0; raise task.calibration_rest_s, and check the sensor"
+        "controller latched SensorStale at tick 328; the sensor was silent for longer than controller.stale_fault_s"
     );
     let missing = run(
         "paper",

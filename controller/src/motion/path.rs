@@ -16,6 +16,8 @@ pub(super) struct Path {
     expected: Option<Vector3<f64>>,
     /// Way over which the tcp joins the motion of the object, m.
     free_m: f64,
+    /// Height at which it ends if the object stays where it is expected, m in r.
+    end_m: f64,
 }
 
 impl Path {
@@ -34,27 +36,41 @@ impl Path {
         let object = expectation
             .at(reached as f64 * TICK_S)
             .map(|(position, _)| position);
-        // What the search begins above, and the least way worth speaking of.
-        let free_m = |height_m: f64| (start_m - height_m - expected.search_margin_m).max(1e-4);
+        let expected_m = object.map_or(task.expected_height_m, |object| object.z);
+        let end_m = expected_m - task.search_depth_m;
+        // The least way worth speaking of.
+        let length_m = (start_m - end_m).max(1e-4);
         let (approach, free_m) = match object {
-            Some(object) => {
-                let free_m = free_m(object.z);
-                let search_m = expected.search_margin_m + task.search_depth_m;
-                let approach =
-                    Approach::with_search(free_m, speed, search_m, allowed(expected.search_speed_m_per_s));
-                (approach, free_m)
+            Some(_) => {
+                let free_m = (start_m - expected_m - expected.search_margin_m).clamp(5e-5, length_m - 5e-5);
+                let slow = allowed(expected.search_speed_m_per_s);
+                (
+                    Approach::with_search(free_m, speed, length_m - free_m, slow),
+                    free_m,
+                )
             }
-            None => {
-                let length_m = start_m - (task.expected_height_m - task.search_depth_m);
-                (Approach::new(length_m, speed), length_m)
-            }
+            None => (Approach::new(length_m, speed), length_m),
         };
         Self {
             approach,
             start_tick: tick,
             expected: object,
             free_m,
+            end_m,
         }
+    }
+
+    /// Let the robot catch up for `ticks`.
+    pub(super) fn wait(&mut self, ticks: i64) {
+        self.start_tick += ticks;
+    }
+
+    /// The height at which it ends, with an object that has moved until `tick`, m in r.
+    pub(super) fn end_m(&self, expectation: &Expectation, tick: i64) -> f64 {
+        let moved = self
+            .shift(expectation, tick, self.free_m)
+            .map_or(0.0, |shift| shift.z);
+        self.end_m + moved
     }
 
     /// How long it has lasted at `tick`, s.

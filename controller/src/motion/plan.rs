@@ -54,8 +54,8 @@ impl Plan {
     }
 }
 
-/// Bounds the way from the tcp at the `actual` axes to where `set_points` send it to `most` (m); whether that changes
-/// the first one.
+/// Bounds the ways of the tcp and of the sensor frame from the `actual` axes to where `set_points` send them to `most`
+/// (m), which bounds turns too; whether that changes the first one.
 pub(super) fn bound_lead(
     kinematics: &Kinematics,
     posture: &Posture,
@@ -63,11 +63,15 @@ pub(super) fn bound_lead(
     actual: &Axes,
     set_points: &mut [Axes; HORIZON],
 ) -> bool {
-    let tcp = |axes: &Axes| posture.hanging_tcp(&kinematics.forward(axes)).translation.vector;
-    let from = tcp(actual);
+    let points = |axes: &Axes| {
+        let r_from_s = kinematics.forward(axes);
+        [r_from_s, posture.hanging_tcp(&r_from_s)].map(|pose| pose.translation.vector)
+    };
+    let from = points(actual);
     let mut binds = [false; HORIZON];
     for (set_point, binds) in set_points.iter_mut().zip(&mut binds) {
-        let lead = (tcp(set_point) - from).norm();
+        let to = points(set_point);
+        let lead = (to[0] - from[0]).norm().max((to[1] - from[1]).norm());
         if lead > most {
             *set_point = actual + (*set_point - actual) * (most / lead);
             *binds = true;

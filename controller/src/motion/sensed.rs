@@ -68,6 +68,8 @@ pub(super) struct Contact {
     pub(super) cycle_tick: i64,
     /// How far the way had led then, m.
     pub(super) distance_m: f64,
+    /// Whether the tool has lost the object.
+    pub(super) lost: bool,
     /// Tick of the newest sample in contact.
     touched_tick: i64,
 }
@@ -82,6 +84,7 @@ impl Contact {
             sample_tick,
             cycle_tick,
             distance_m,
+            lost: false,
             touched_tick: sample_tick,
         }
     }
@@ -94,7 +97,7 @@ impl Contact {
             .detection_threshold_n
             .min(0.5 * settings.task.desired_force_n);
         let force_n = if selection.contains(NORMAL) {
-            sensed.normal_force_n
+            sensed.normal_force_n.max(sensed.wrench[NORMAL])
         } else {
             split(&sensed.wrench).0.norm()
         };

@@ -32,6 +32,18 @@ impl Motion {
         }
     }
 
+    /// Whether the object was lost and not found again down to the end of the search.
+    pub(crate) fn lost_beyond_search(&self) -> bool {
+        let at_end = self.plan.commanded[NORMAL] <= self.lowest_m + 1e-6;
+        at_end && self.contact.is_some_and(|contact| contact.lost)
+    }
+
+    /// Whether the hanging tcp is where it is sent to, within `tolerance_m` (m).
+    pub(crate) fn arrived(&self, tolerance_m: f64) -> bool {
+        let at = self.frame.coordinates(&self.newest.hanging);
+        libm::fabs(at[NORMAL] - self.plan.commanded[NORMAL]) <= tolerance_m
+    }
+
     /// How far the tcp yields to what it touches at the newest sample, m.
     pub(crate) fn yields_by_m(&self) -> f64 {
         self.newest.yields_by_m

@@ -156,6 +156,7 @@ fn a_force_sample_stands_for_the_deflection_under_it() {
 fn the_approach_waits_for_the_object_to_be_seen() {
     let mut scenario = Scenario::default();
     scenario.controller.expected.from = scenario::ExpectedFrom::ObjectSensor;
+    scenario.controller.expected.object_motion = scenario::ObjectMotion::Fixed;
     let axes = scenario.start_axes().unwrap();
     let mut controller = Controller::new(&scenario);
     let seen = |tick: i64| ObjectPose {

@@ -37,7 +37,7 @@ pub enum CalibrateError {
         maximum_rad: f64,
     },
     /// The robot or the controller has given up.
-    #[error("{} latched {fault:?} at tick {tick}; lower task.calibration_tilt_rad or start elsewhere", role_name(*node))]
+    #[error("{} latched {fault:?} at tick {tick}; {}", role_name(*node), remedy(*fault))]
     Faulty {
         /// Who.
         node: Role,
@@ -77,4 +77,12 @@ pub enum CalibrateError {
     /// The rests don't tell enough.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
+}
+
+/// What of the scenario to look at.
+fn remedy(fault: Fault) -> &'static str {
+    match fault {
+        Fault::SensorStale => "the sensor was silent for longer than controller.stale_fault_s",
+        _ => "lower task.calibration_tilt_rad or start elsewhere",
+    }
 }

@@ -1,6 +1,6 @@
 //! `touchdown compare`.
 
-use super::{FAILED, ScenarioArgs, complain, configuration_hash, distinct, print, print_json};
+use super::{FAILED, ScenarioArgs, complain, configuration_hash, distinct, print, print_json, word};
 use anyhow::Result;
 use experiment::compare::{Comparison, Matrix};
 use experiment::table::Table;
@@ -14,13 +14,13 @@ use std::process::ExitCode;
 pub(crate) struct Args {
     #[command(flatten)]
     scenario: ScenarioArgs,
-    /// What joins motors and links
-    #[arg(long, value_delimiter = ',', default_value = "rigid", value_name = "GEARS")]
+    /// What joins motors and links: rigid, elastic [default: the scenario's]
+    #[arg(long, value_delimiter = ',', value_name = "GEARS")]
     robots: Vec<String>,
-    /// Kinematics
-    #[arg(long, value_delimiter = ',', default_value = "gantry")]
+    /// Kinematics: gantry, arm [default: the scenario's]
+    #[arg(long, value_delimiter = ',')]
     kinematics: Vec<String>,
-    /// Control laws
+    /// Control laws: pd, pd-reset, literal, proposed, impedance
     #[arg(long, value_delimiter = ',', default_value = "pd,proposed")]
     laws: Vec<String>,
     /// Contact phases relative to the command period, spread evenly
@@ -51,8 +51,8 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     distinct("--laws", &args.laws)?;
     let (source, scenario) = args.scenario.read()?;
     let matrix = Matrix {
-        robots: args.robots.clone(),
-        kinematics: args.kinematics.clone(),
+        robots: or_own(&args.robots, word(scenario.robot.gears)),
+        kinematics: or_own(&args.kinematics, word(scenario.robot.kinematics)),
         laws: args.laws.clone(),
         phases: args.phases.into(),
         seeds: args.seeds.into(),
@@ -79,6 +79,15 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     } else {
         FAILED
     }))
+}
+
+/// `given`, or the scenario's `own` where nothing is.
+fn or_own(given: &[String], own: String) -> Vec<String> {
+    if given.is_empty() {
+        vec![own]
+    } else {
+        given.to_vec()
+    }
 }
 
 fn caption(args: &Args) -> String {

@@ -56,6 +56,11 @@ enum Command {
     Doctor(doctor::Args),
 }
 
+/// A choice as the scenario spells it: `Rigid` is `rigid`.
+pub(crate) fn word(choice: impl std::fmt::Debug) -> String {
+    format!("{choice:?}").to_lowercase()
+}
+
 /// A scenario as every subcommand takes it.
 #[derive(clap::Args)]
 struct ScenarioArgs {

@@ -1,6 +1,6 @@
 //! `touchdown run`.
 
-use super::{ScenarioArgs, configuration_hash, distinct, print, print_json};
+use super::{ScenarioArgs, configuration_hash, distinct, print, print_json, word};
 use anyhow::{Context, Result};
 use crossbeam::channel::Receiver;
 use experiment::figure::{LabelledCurve, force_figure};
@@ -25,7 +25,7 @@ use std::time::Duration;
 pub(crate) struct Args {
     #[command(flatten)]
     scenario: ScenarioArgs,
-    /// Control laws, one run each
+    /// Control laws, one run each: pd, pd-reset, literal, proposed, impedance
     #[arg(long, value_delimiter = ',', default_value = "pd,proposed")]
     laws: Vec<String>,
     /// Directory for figure and data
@@ -146,11 +146,6 @@ fn measure(
     place.result(FIGURE.to_owned(), |path| force_figure(&curves, path))?;
     place.result(SCENARIO.to_owned(), |_| Ok::<_, io::Error>(()))?;
     Ok(rows)
-}
-
-/// A choice as the scenario spells it: `Rigid` is `rigid`.
-fn word(choice: impl std::fmt::Debug) -> String {
-    format!("{choice:?}").to_lowercase()
 }
 
 /// On a terminal, and nowhere else.

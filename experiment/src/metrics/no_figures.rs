@@ -41,6 +41,11 @@ pub enum NoFigures {
 /// What of the scenario to look at.
 fn remedy(fault: Fault) -> &'static str {
     match fault {
+        Fault::ToleranceExceeded => {
+            "what is in the way is stiffer or farther beside than task.tolerance_m allows: check object.origin_m, the \
+             hole and its depth, or tolerate more"
+        }
+        Fault::SensorStale => "the sensor was silent for longer than controller.stale_fault_s",
         Fault::NoContact => "raise task.search_depth_m, or check object.height_m",
         Fault::AxisLimit => "check the axes' ranges in [robot] against the poses of [task]",
         Fault::VelocityLimit => "check the axes' velocity limits in [robot], or approach more slowly",

@@ -6,7 +6,7 @@ use crate::transcript::{self, Entry};
 use nalgebra::{UnitQuaternion, Vector3};
 use node::scenario::Scenario;
 use spatial::ports::{ControllerStatus, Fault, RobotState, Role, Truth};
-use spatial::{Deflection, TICK_S, rotation};
+use spatial::{Deflection, Pose, TICK_S, rotation};
 
 /// The contact force over time as analysis sees it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,6 +26,8 @@ pub struct Recording {
     stiffness_n_per_m: f64,
     stiffness_nm_per_rad: f64,
     tcp_in_s: Vector3<f64>,
+    /// Whether moments act at the tcp too.
+    with_moments: bool,
     first_contact_s: Option<f64>,
     first_fault: Option<FirstFault>,
     ticks: Vec<Sample>,
@@ -59,6 +61,7 @@ impl Recording {
             stiffness_n_per_m: scenario.sensor.stiffness_n_per_m,
             stiffness_nm_per_rad: scenario.sensor.stiffness_nm_per_rad,
             tcp_in_s: scenario.tool.tcp_in_s_m.into(),
+            with_moments: scenario.task.force_controlled.dofs()[3..].contains(&true),
             first_contact_s: None,
             first_fault: None,
             ticks: Vec::new(),
@@ -145,6 +148,8 @@ impl Recording {
     /// The tcp is displaced along z of r by `s = z . R_ta (p_t - mean p_t at standstill)`; a force f there causes
     /// `s = f (1/K_p + (l . l_m) / K_phi)`, l the horizontal lever of the tool as it is, under which f turns it, and
     /// l_m its mean between hanging on the same link and now, about which it has turned.
+    /// Where moments are controlled too, that displacement is also theirs: there the force is that of the sensor's own
+    /// spring, `K_p z . R_ta (p_s - mean p_s)`, in which the tool's swing shows.
     /// Deviates from PLANT.md (`s_t,z / C_tcp,zz` with the lever d of the undeflected tool, 0.8 % off): this agrees
     /// with the true contact force at rest.
     fn forces(&self) -> Option<Vec<f64>> {
@@ -153,8 +158,14 @@ impl Recording {
         let hanging = standstill.iter().fold(Deflection::default(), |sum, sample| {
             sum + sample.deflection * share
         });
+        let t_from_s = Pose::from_parts((-self.tcp_in_s).into(), UnitQuaternion::identity());
         let force = |sample: &Sample| {
             let r_from_ta = sample.rotation * rotation::exp(-sample.deflection.rotation);
+            if self.with_moments {
+                let at_s = |deflection: &Deflection| deflection.seen_from(&t_from_s).translation;
+                let shift = r_from_ta * (at_s(&sample.deflection) - at_s(&hanging));
+                return shift.z * self.stiffness_n_per_m;
+            }
             let displacement = r_from_ta * (sample.deflection.translation - hanging.translation);
             let lever = sample.rotation * self.tcp_in_s;
             let before = r_from_ta * (rotation::exp(hanging.rotation) * self.tcp_in_s);

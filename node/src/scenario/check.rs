@@ -51,6 +51,7 @@ impl Scenario {
         self.check_deflection(&mut conflicts);
         self.check_profile(&mut conflicts);
         self.check_kind(&mut conflicts);
+        self.check_servo(&mut conflicts);
         self.check_output(&mut conflicts);
         self.check_adaptation(&mut conflicts);
         self.check_object_sensor(&mut conflicts);

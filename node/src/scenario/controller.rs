@@ -1,6 +1,9 @@
 //! The section `[controller]`: the control law, and what it assumes of robot, sensor, tool and object.
 
-use super::{Adaptation, ExpectedFrom, Law, ObjectMotion, Pairing, SensorOutput, Transform, schema};
+use super::check::{Conflicts, short};
+use super::{
+    Adaptation, ExpectedFrom, Law, ObjectMotion, Pairing, Scenario, SensorOutput, Transform, schema,
+};
 
 schema::section! {
     /// The control law and what it assumes of robot, sensor and tool.
@@ -45,6 +48,8 @@ schema::section! {
         detection_fading_s: f64 = 0.2, in 1e-3..=10.0;
         /// Slow force that the sensor may show before contact, since the tare; beyond, its drift is published.
         drift_limit_n: f64 = 0.4, in 1e-3..=1e4;
+        /// How long the sensor may bring nothing new before that is a fault.
+        stale_fault_s: f64 = 0.020, in 1e-3..=10.0;
         /// Deviation from the desired force within which the force counts as settled.
         settled_band_n: f64 = 0.5, in 1e-3..=1e4;
         /// Time over which the tilt to the desired posture is spread after contact.
@@ -154,5 +159,35 @@ schema::section! {
         /// Assumed rebound coefficient over indentation coefficient, c_re / c_in; 1 where it is unknown, as in (18): an
         /// elastic object, off which the tool bounces back faster than it came.
         rebound_ratio: f64 = 4.0, in 1.0..=1e3;
+    }
+}
+
+impl Scenario {
+    /// The servos that are assumed must be stable: `K_v / m (k + 1 / T_i) > k / T_i`, by Routh and Hurwitz, for
+    /// `m s^3 + K_v s^2 + K_v (k + 1 / T_i) s + K_v k / T_i`.
+    pub(super) fn check_servo(&self, conflicts: &mut Conflicts) {
+        let servo = &self.controller.servo;
+        let (k, integral) = (servo.position_gain_per_s, 1.0 / servo.velocity_integral_time_s);
+        for i in 0..6 {
+            let motor = servo.motor_inertia_kg_m2[i];
+            let share = motor / (motor + servo.link_inertia_kg_m2[i]);
+            let least = k * integral / (k + integral) / (share * std::f64::consts::TAU);
+            conflicts.require(
+                servo.velocity_bandwidth_hz > 1.5 * least,
+                &[
+                    "controller.servo.velocity_bandwidth_hz",
+                    "controller.servo.position_gain_per_s",
+                    "controller.servo.velocity_integral_time_s",
+                    "controller.servo.motor_inertia_kg_m2",
+                    "controller.servo.link_inertia_kg_m2",
+                ],
+                format!(
+                    "controller.servo.velocity_bandwidth_hz is {} Hz, too little for axis {i}, whose servo would swing up: \
+                     choose more than {} Hz, or a smaller position gain",
+                    short(servo.velocity_bandwidth_hz),
+                    short(1.5 * least)
+                ),
+            );
+        }
     }
 }

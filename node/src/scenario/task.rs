@@ -1,7 +1,7 @@
 //! The section `[task]`: what is asked for, and what can't be asked for together.
 
-use super::check::Conflicts;
-use super::{ExpectedFrom, Scenario, TaskKind, schema};
+use super::check::{Conflicts, short};
+use super::{ExpectedFrom, Scenario, TaskKind, ToolShape, schema};
 
 schema::section! {
     /// What is asked for.
@@ -88,6 +88,49 @@ impl Scenario {
             "task.kind is \"position\", but task.force_controlled.z is true: the position lies along z; set it to \
              false, or task.kind = \"press\""
                 .to_owned(),
+        );
+        let selected = task.force_controlled.dofs();
+        for (i, axis) in ["x", "y", "z"].into_iter().enumerate() {
+            let moment = task.desired_moment_nm[i];
+            conflicts.require(
+                moment == 0.0 || selected[3 + i],
+                &["task.desired_moment_nm", "task.force_controlled.about_x", "task.force_controlled.about_y",
+                  "task.force_controlled.about_z"],
+                format!(
+                    "task.desired_moment_nm[{i}] is {} Nm, but task.force_controlled.about_{axis} is false; set it to \
+                     true, or the moment to 0",
+                    short(moment)
+                ),
+            );
+        }
+        for (i, lever) in [(0, self.tool.face_size_m[1]), (1, self.tool.face_size_m[0])] {
+            let moment = task.desired_moment_nm[i];
+            let reach = if self.tool.shape == ToolShape::Face {
+                0.5 * lever
+            } else {
+                0.0
+            };
+            let most = task.desired_force_n * reach;
+            conflicts.require(
+                moment.abs() <= most || !selected[3 + i],
+                &["task.desired_moment_nm", "tool.shape", "tool.face_size_m", "task.desired_force_n"],
+                format!(
+                    "task.desired_moment_nm[{i}] is {} Nm, more than the {} Nm that task.desired_force_n bears on the \
+                     tool's face; choose a smaller moment, a larger face or more force",
+                    short(moment),
+                    short(most)
+                ),
+            );
+        }
+        conflicts.require(
+            task.kind != TaskKind::Position || task.tolerance_m < self.sensor.range_translation_m,
+            &["task.tolerance_m", "sensor.range_translation_m"],
+            format!(
+                "task.tolerance_m is {} m, not less than sensor.range_translation_m, {} m: it would never be seen to be \
+                 exceeded; tolerate less, or widen the range",
+                short(task.tolerance_m),
+                short(self.sensor.range_translation_m)
+            ),
         );
         conflicts.require(
             self.controller.expected.from != ExpectedFrom::ObjectSensor || self.object_sensor.enabled,

@@ -105,7 +105,7 @@ pub struct ControllerStatus {
     pub tcp_pose: Pose,
     /// Contact wrench at the tcp, in t.
     pub wrench: Wrench,
-    /// Desired wrench at the tcp, in t.
+    /// Desired wrench at the tcp, in r, to which t is parallel up to the tool's sag.
     pub desired_wrench: Wrench,
     /// Normal force minus desired normal force, N.
     pub force_error_n: f64,
