@@ -173,3 +173,26 @@ fn an_expected_impact_is_soft() {
         );
     }
 }
+
+/// The object drops away by 0.1 m: it is sought down to the end of the search, 5 mm below the expected height, and no
+/// further, by every law.
+#[test]
+fn an_object_that_is_gone_is_sought_within_the_search_only() {
+    for law in ["pd", "pd-reset", "literal", "proposed", "impedance"] {
+        let law = format!("controller.law={law}");
+        let scenario = scenario(
+            "paper",
+            &[
+                &law,
+                "object.profile_time_s=[0.0,1.79,1.8,2.0,2.2,2.4]",
+                "object.profile_height_m=[0.0,0.0,0.0,-0.01,-0.05,-0.1]",
+                "timing.duration_s=14.0",
+            ],
+        );
+        let (truth, status) = end(&scenario);
+        assert_eq!(status.fault, Fault::NoContact, "{law}");
+        // Where the hanging tool would press with 10 N, and what the set-point led by when it stopped.
+        let height = truth.tcp_pose.translation.vector.z;
+        assert!((-0.0060..-0.0045).contains(&height), "{law}: {height} m");
+    }
+}

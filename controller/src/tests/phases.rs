@@ -164,3 +164,34 @@ fn a_saturated_deflection_is_said() {
         assert_eq!(status.limits, 32 * i32::from(saturated), "tick {tick}");
     }
 }
+
+/// A sensor that brings nothing new for 20 ms is a fault; the axes stay where they were sent, also when it speaks again.
+#[test]
+fn a_silent_sensor_is_a_fault_and_holds() {
+    let scenario = Scenario::default();
+    let mut controller = Controller::new(&scenario);
+    let mut axes = scenario.start_axes().unwrap();
+    let mut held = None;
+    for tick in (0..=800).step_by(4) {
+        let mut deflections = undeflected(tick);
+        let silent = (500..700).contains(&tick);
+        for sample in &mut deflections.samples {
+            sample.flags.valid &= !silent;
+        }
+        let Outputs { command, status } = controller.cycle(&state(tick, axes), &deflections, None);
+        axes = command.axis_position[0];
+        if tick <= 496 + 20 {
+            assert_eq!(status.fault, Fault::None, "tick {tick}");
+        } else {
+            assert_eq!(
+                (status.phase, status.fault),
+                (ControllerPhase::Fault, Fault::SensorStale)
+            );
+            assert_eq!(
+                command.axis_position,
+                [*held.get_or_insert(axes); HORIZON],
+                "tick {tick}"
+            );
+        }
+    }
+}

@@ -243,3 +243,45 @@ fn each_kind_of_task_has_what_it_needs() {
          \"nothing\""
     );
 }
+
+#[test]
+fn moments_have_a_degree_of_freedom_and_a_face_that_bears_them() {
+    assert_eq!(
+        refusal("task.desired_moment_nm = [0, 1, 0]", &[]),
+        "a.toml:1:6: task.desired_moment_nm[1] is 1 Nm, but task.force_controlled.about_y is false; set it to true, or \
+         the moment to 0"
+    );
+    assert_eq!(
+        refusal(
+            "task.desired_moment_nm = [0, 0.5, 0]\ntask.force_controlled.about_y = true\ntool.shape = \"face\"",
+            &[]
+        ),
+        "a.toml:1:6: task.desired_moment_nm[1] is 0.5 Nm, more than the 0.2 Nm that task.desired_force_n bears on the \
+         tool's face; choose a smaller moment, a larger face or more force"
+    );
+}
+
+#[test]
+fn a_tolerance_can_be_seen_to_be_exceeded() {
+    assert_eq!(
+        refusal(
+            "task.kind = \"position\"\ntask.force_controlled.z = false\ntask.tolerance_m = 0.002",
+            &[]
+        ),
+        "a.toml:3:6: task.tolerance_m is 0.002 m, not less than sensor.range_translation_m, 0.0015 m: it would never be \
+         seen to be exceeded; tolerate less, or widen the range"
+    );
+}
+
+/// `k / T_i / (k + 1 / T_i)` of 25 1/s and 0.03 s is 14.3 rad/s, 2.3 Hz; the motor is two thirds of the inertia.
+#[test]
+fn the_assumed_servos_are_stable() {
+    let message = refusal("controller.servo.velocity_bandwidth_hz = 3", &[]);
+    assert!(
+        message.contains(
+            "controller.servo.velocity_bandwidth_hz is 3 Hz, too little for axis 0, whose servo would swing up: choose \
+             more than 5.11569 Hz, or a smaller position gain"
+        ),
+        "{message}"
+    );
+}
