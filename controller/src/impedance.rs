@@ -117,6 +117,7 @@ mod tests {
             commanded: 0.0,
             desired: 0.0,
             desired_rate: -0.02,
+            actual: 0.0,
             reached_s: [0.0; PREVIEW],
             period_s: 4e-3,
         };

@@ -2,10 +2,12 @@
 
 use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch};
 use crate::dofs::{Dofs, NORMAL, Selection};
+use crate::fzi::Fzi;
 use crate::impedance::Impedance;
 use crate::literal::Literal;
 use crate::object_model::ObjectModel;
 use crate::pd::Pd;
+use crate::ros2::Ros2;
 use nalgebra::Vector3;
 use node::scenario;
 use spatial::ports::Law;
@@ -21,6 +23,10 @@ pub enum DofLaw {
     Proposed(ObjectModel),
     /// The object model, approached as a mass with damper and spring.
     Impedance(Impedance),
+    /// That of ROS 2's admittance controller.
+    Ros2(Ros2),
+    /// That of FZI's cartesian force controller.
+    Fzi(Fzi),
 }
 
 impl DofLaw {
@@ -33,15 +39,17 @@ impl DofLaw {
             Law::Proposed => Self::Proposed(object()),
             Law::Impedance => Self::Impedance(Impedance::new(&controller.impedance, dof, object())),
             Law::PdReset => Self::Pd(Pd::new(&controller.pd, dof, true)),
+            Law::Ros2 => Self::Ros2(Ros2::new(&controller.ros2, dof)),
+            Law::Fzi => Self::Fzi(Fzi::new(&controller.fzi, dof)),
             // Those that do not exist yet are refused with the scenario.
-            Law::Pd | Law::Elastic | Law::Ros2 | Law::Fzi => Self::Pd(Pd::new(&controller.pd, dof, false)),
+            Law::Pd | Law::Elastic => Self::Pd(Pd::new(&controller.pd, dof, false)),
         }
     }
 
     /// The object moves with `rate` (m/s or rad/s) as the contact begins: for a law that predicts it.
     pub fn expect(&mut self, rate: f64) {
         match self {
-            Self::Pd(_) | Self::Literal(_) => {}
+            Self::Pd(_) | Self::Literal(_) | Self::Ros2(_) | Self::Fzi(_) => {}
             Self::Proposed(law) => law.expect(rate),
             Self::Impedance(law) => law.expect(rate),
         }
@@ -54,6 +62,8 @@ impl DofLaw {
             Self::Literal(law) => law.take(sample),
             Self::Proposed(law) => law.take(sample),
             Self::Impedance(law) => law.take(sample),
+            Self::Ros2(law) => law.take(sample),
+            Self::Fzi(law) => law.take(sample),
         }
     }
 
@@ -64,6 +74,8 @@ impl DofLaw {
             Self::Literal(law) => [law.set_point(aim, situation.commanded); PREVIEW],
             Self::Proposed(law) => law.desired(aim, situation),
             Self::Impedance(law) => law.desired(aim, situation),
+            Self::Ros2(law) => [law.set_point(aim, situation); PREVIEW],
+            Self::Fzi(law) => [law.set_point(aim, situation); PREVIEW],
         }
     }
 
@@ -74,6 +86,8 @@ impl DofLaw {
             Self::Literal(law) => law.object(),
             Self::Proposed(law) => law.object(),
             Self::Impedance(law) => law.object(),
+            Self::Ros2(law) => law.object(),
+            Self::Fzi(law) => law.object(),
         }
     }
 }

@@ -15,6 +15,7 @@
 //! | task description, sample by sample | [`literal`] | (2) |
 //! | object measured once, then refined and extrapolated | [`object_model`], [`fading_memory`] | (2), (12) |
 //! | impedance as the task | [`impedance`] | II |
+//! | peers' laws, for comparison | [`ros2`], [`fzi`] | |
 //! | feed-forward of the position control | [`command_dynamics`] | Fig. 2, II-B |
 //! | desired force as a disturbance of the position control | [`disturbance`] | II-B |
 //! | posture that keeps the tool's orientation | [`posture`] | (9)-(11), Fig. 5 |
@@ -34,6 +35,7 @@ pub mod dofs;
 pub mod drift;
 pub mod expectation;
 pub mod fading_memory;
+pub mod fzi;
 pub mod impact;
 pub mod impedance;
 pub mod law;
@@ -42,6 +44,7 @@ pub mod object_model;
 pub mod pairing;
 pub mod pd;
 pub mod posture;
+pub mod ros2;
 pub mod tare;
 pub mod tilting;
 pub mod transform;

@@ -222,7 +222,10 @@ impl Motion {
         if self.contact.is_some() {
             let lowest = self.lowest(expectation, reached[0]);
             self.lowest_m = lowest;
-            for (all, demand) in coordinates.iter_mut().zip(self.demand(settings, &reached)) {
+            for (all, demand) in coordinates
+                .iter_mut()
+                .zip(self.demand(settings, &reached, actual))
+            {
                 *all = self.selection.merge(&demand, all);
                 all[NORMAL] = all[NORMAL].max(lowest);
             }
@@ -339,13 +342,16 @@ impl Motion {
     }
 
     /// What the force laws ask for at the ticks `reached`.
-    fn demand(&mut self, settings: &Settings, reached: &[i64; PREVIEW]) -> [Dofs; PREVIEW] {
+    /// `actual` are the newest encoder values.
+    fn demand(&mut self, settings: &Settings, reached: &[i64; PREVIEW], actual: &Axes) -> [Dofs; PREVIEW] {
         let Plan {
             coordinates,
             commanded,
             ..
         } = self.plan;
         let period_s = settings.period_ticks as f64 * TICK_S;
+        let r_from_s = settings.kinematics.forward(actual);
+        let actual = self.frame.coordinates(&self.posture.hanging_tcp(&r_from_s));
         let desired_wrench = join(settings.desired.force, settings.desired.moment);
         let (compliance, displacement) = (self.compliance, self.desired_displacement);
         self.force_control.demand(
@@ -358,6 +364,7 @@ impl Motion {
                 commanded: commanded[dof],
                 desired: coordinates[0][dof],
                 desired_rate: (coordinates[1][dof] - coordinates[0][dof]) / period_s,
+                actual: actual[dof],
                 reached_s: reached.map(|tick| tick as f64 * TICK_S),
                 period_s,
             },

@@ -20,7 +20,7 @@ pub(crate) struct Args {
     /// Kinematics: gantry, arm [default: the scenario's]
     #[arg(long, value_delimiter = ',')]
     kinematics: Vec<String>,
-    /// Control laws: pd, pd-reset, literal, proposed, impedance
+    /// Control laws: pd, pd-reset, literal, proposed, impedance, ros2, fzi
     #[arg(long, value_delimiter = ',', default_value = "pd,proposed")]
     laws: Vec<String>,
     /// Contact phases relative to the command period, spread evenly

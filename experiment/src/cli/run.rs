@@ -25,7 +25,7 @@ use std::time::Duration;
 pub(crate) struct Args {
     #[command(flatten)]
     scenario: ScenarioArgs,
-    /// Control laws, one run each: pd, pd-reset, literal, proposed, impedance
+    /// Control laws, one run each: pd, pd-reset, literal, proposed, impedance, ros2, fzi
     #[arg(long, value_delimiter = ',', default_value = "pd,proposed")]
     laws: Vec<String>,
     /// Directory for figure and data

@@ -32,7 +32,7 @@ pub use choice::{
     ExpectedFrom, Gears, Kinematics, ObjectMotion, Pairing, SensorOutput, TaskKind, TimingMode, ToolShape,
     Transform,
 };
-pub use controller::{AssumedServo, Controller, Expected, Impact, Impedance, Pd, Proposed};
+pub use controller::{AssumedServo, Controller, Expected, Fzi, Impact, Impedance, Pd, Proposed, Ros2};
 pub use error::ScenarioError;
 pub use object_sensor::ObjectSensor;
 pub use robot::Drives;
