@@ -50,6 +50,11 @@ pub enum SourceError {
     },
 }
 
+/// A choice as the scenario spells it: `Rigid` is `rigid`.
+pub fn word(choice: impl std::fmt::Debug) -> String {
+    format!("{choice:?}").to_lowercase()
+}
+
 /// Names of the built-in scenarios.
 pub fn names() -> impl Iterator<Item = &'static str> {
     BUILT_IN.into_iter().map(|(name, _)| name)

@@ -65,7 +65,7 @@ fn names_that_do_not_exist() {
         refusal("[controller.pid]\n[controller.ros]", &[]),
         format!(
             "a.toml:1:13: unknown section [controller.pid]; a scenario has {SECTIONS}; did you mean [controller.pd]?\n\
-             a.toml:2:13: unknown section [controller.ros]; a scenario has {SECTIONS}"
+             a.toml:2:13: unknown section [controller.ros]; a scenario has {SECTIONS}; did you mean [controller.ros2]?"
         )
     );
     assert_eq!(
