@@ -17,7 +17,7 @@ pub use margins::Margins;
 use laws::LawModel;
 use nalgebra::Complex;
 use node::scenario::Scenario;
-use plant::Plant;
+use plant::{Plant, Seen};
 use std::f64::consts::PI;
 
 /// How far down the frequency goes, Hz.
@@ -41,6 +41,30 @@ impl Point {
     }
 }
 
+/// What any law sees of the plant, at each frequency.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Response(Vec<(f64, Seen)>);
+
+impl Response {
+    /// The plant of `scenario` in contact; `None` for a robot that does not reach the object.
+    pub fn new(scenario: &Scenario) -> Option<Self> {
+        let plant = Plant::new(scenario)?;
+        let highest_hz = 0.5 / period_s(scenario);
+        let ratio = libm::log(highest_hz / LOWEST_HZ) / (POINTS - 1) as f64;
+        let frequency_hz = |i: usize| LOWEST_HZ * libm::exp(ratio * i as f64);
+        let seen = |i: usize| Some((frequency_hz(i), plant.seen(laplace(frequency_hz(i)))?));
+        Some(Self((0..POINTS).map(seen).collect::<Option<_>>()?))
+    }
+}
+
+fn laplace(frequency_hz: f64) -> Complex<f64> {
+    Complex::new(0.0, 2.0 * PI * frequency_hz)
+}
+
+fn period_s(scenario: &Scenario) -> f64 {
+    scenario.timing.command_period_ticks as f64 * spatial::TICK_S
+}
+
 /// The loop along the contact's normal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Loop {
@@ -53,23 +77,18 @@ impl Loop {
     /// The loop of `scenario` in contact; `None` for a law that has no linear model here, or a robot that does not reach
     /// the object.
     pub fn new(scenario: &Scenario) -> Option<Self> {
+        Self::close(&Response::new(scenario)?, scenario)
+    }
+
+    /// The loop of a plant whose `response` is known, that of `scenario` or of one that differs in its law alone.
+    pub fn close(response: &Response, scenario: &Scenario) -> Option<Self> {
         let law = LawModel::new(scenario)?;
-        let plant = Plant::new(scenario)?;
-        let period_s = scenario.timing.command_period_ticks as f64 * spatial::TICK_S;
-        let highest_hz = 0.5 / period_s;
-        let ratio = libm::log(highest_hz / LOWEST_HZ) / (POINTS - 1) as f64;
-        let points = (0..POINTS)
-            .map(|i| {
-                let frequency_hz = LOWEST_HZ * libm::exp(ratio * i as f64);
-                let s = Complex::new(0.0, 2.0 * PI * frequency_hz);
-                Some(Point {
-                    frequency_hz,
-                    answer: law.answer(s, &plant.seen(s)?),
-                })
-            })
-            .collect::<Option<_>>()?;
+        let point = |(frequency_hz, seen): &(f64, Seen)| Point {
+            frequency_hz: *frequency_hz,
+            answer: law.answer(laplace(*frequency_hz), seen),
+        };
         Some(Self {
-            points,
+            points: response.0.iter().map(point).collect(),
             integrators: law.integrators(),
         })
     }

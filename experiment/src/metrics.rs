@@ -12,6 +12,8 @@ use serde::Serialize;
 pub const WINDOW_S: f64 = 1.5;
 /// The end of that window, over which steady values are averaged, s.
 const STEADY_S: f64 = 0.3;
+/// Shorter separations are the vibration of the contact itself, s.
+const REBOUND_S: f64 = 0.003;
 
 /// Declares the figures once: struct, names, and the way to an array and back.
 macro_rules! figures {
@@ -62,7 +64,7 @@ figures! { 15:
     steady_error_n,
     /// Standard deviation of the true contact force at the end, N.
     steady_sigma_n,
-    /// How often the tool has left the object again, as the ticks show it.
+    /// How often the tool has left the object for more than 3 ms and met it again.
     rebounds,
     /// Largest deviation of the tool's orientation from that before contact, rad.
     orientation_max_rad,

@@ -1,6 +1,6 @@
 //! What of a run is kept for its figures.
 
-use super::{Metrics, NoFigures, STEADY_S, WINDOW_S};
+use super::{Metrics, NoFigures, REBOUND_S, STEADY_S, WINDOW_S};
 use crate::in_process::Tick;
 use crate::transcript::{self, Entry};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -221,7 +221,6 @@ impl Recording {
             let deviation = s.contact_force_n - mean_n;
             deviation * deviation
         });
-        let left = |pair: &&[Sample]| pair[0].contact_force_n > 0.0 && pair[1].contact_force_n <= 0.0;
         let peak_n = force.iter().copied().fold(0.0, f64::max);
         let contact_s = self.first_contact_s?;
         let before_j = start
@@ -237,7 +236,7 @@ impl Recording {
             impulse_above_n_s: error.iter().map(|e| e.max(0.0)).sum::<f64>() * TICK_S,
             steady_error_n: mean_n - desired,
             steady_sigma_n: (squares.sum::<f64>() / count).sqrt(),
-            rebounds: ticks.windows(2).filter(left).count() as f64,
+            rebounds: rebounds(ticks),
             detection_delay_s: self
                 .detected_tick
                 .map_or(f64::NAN, |tick| tick as f64 * TICK_S - contact_s),
@@ -271,4 +270,16 @@ impl Recording {
             self.first_fault = Some(self.first_fault.map_or(found, |first| first.min(found)));
         }
     }
+}
+
+/// How often the tool has been in the air for longer than [`REBOUND_S`] before it met the object again.
+fn rebounds(ticks: &[Sample]) -> f64 {
+    let airborne = ticks.split(|sample| sample.contact_force_n > 0.0);
+    // What follows the last contact is no rebound.
+    let count = airborne
+        .rev()
+        .skip(1)
+        .filter(|ticks| ticks.len() as f64 * TICK_S > REBOUND_S)
+        .count();
+    count as f64
 }

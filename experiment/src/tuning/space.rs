@@ -41,8 +41,8 @@ const PROPOSED: &[Parameter] = &[
 ];
 
 const IMPEDANCE: &[Parameter] = &[
-    parameter!(impedance.mass_kg, 0.5..50.0),
-    parameter!(impedance.damping_ns_per_m, 1e2..2e4),
+    parameter!(impedance.mass_kg, 0.05..50.0),
+    parameter!(impedance.damping_ns_per_m, 3e1..2e4),
     parameter!(proposed.object_filter_gain, 3e-3..1.0),
     parameter!(proposed.settled_filter_gain, 1e-3..0.3),
 ];
