@@ -12,6 +12,8 @@ use serde::Serialize;
 pub const WINDOW_S: f64 = 1.5;
 /// The end of that window, over which steady values are averaged, s.
 const STEADY_S: f64 = 0.3;
+/// Where as long a time begins whose ringing that at the end is held against, s after the first contact.
+const EARLY_S: f64 = 0.6;
 /// Shorter separations are the vibration of the contact itself, s.
 const REBOUND_S: f64 = 0.003;
 
@@ -45,7 +47,7 @@ macro_rules! figures {
     };
 }
 
-figures! { 15:
+figures! { 16:
     /// Largest contact force as the tcp's deflection shows it, N.
     peak_n,
     /// That above the desired force, as a share of it.
@@ -64,6 +66,8 @@ figures! { 15:
     steady_error_n,
     /// Standard deviation of the true contact force at the end, N.
     steady_sigma_n,
+    /// That over the same from 0.6 to 0.9 s after the first contact: below 1, what rings dies out.
+    ringing_ratio,
     /// How often the tool has left the object for more than 3 ms and met it again.
     rebounds,
     /// Largest deviation of the tool's orientation from that before contact, rad.
@@ -87,7 +91,7 @@ mod tests {
         let values = std::array::from_fn(|i| i as f64);
         let metrics = Metrics::from_values(values);
         assert_eq!(metrics.values(), values);
-        assert_eq!((metrics.peak_n, metrics.energy_j), (0.0, 14.0));
+        assert_eq!((metrics.peak_n, metrics.energy_j), (0.0, 15.0));
         assert_eq!(Metrics::NAMES[5], "iae_n_s");
     }
 }

@@ -16,4 +16,4 @@ pub use cells::{Cell, Cells, Verdict, cells_csv, verdicts};
 pub use definition::{Definition, MapDefinition, Values, names};
 pub use error::SweepError;
 pub use figure::map_figure;
-pub use runs::{HEADER, Outcome, Plan, Run};
+pub use runs::{HEADER, Outcome, Plan, Run, State};

@@ -63,11 +63,12 @@ const FIGURES: [Figure; 7] = [
     ("end mrad", 1e3, 3, |m| m.orientation_end_rad),
 ];
 
-const MORE: [Figure; 8] = [
+const MORE: [Figure; 9] = [
     ("overshoot %", 1e2, 0, |m| m.overshoot_ratio),
     ("set5 ms", 1e3, 0, |m| m.settling_5_s),
     ("impulse above N s", 1.0, 3, |m| m.impulse_above_n_s),
     ("steady sigma N", 1.0, 3, |m| m.steady_sigma_n),
+    ("ringing ratio", 1.0, 2, |m| m.ringing_ratio),
     ("rebounds", 1.0, 1, |m| m.rebounds),
     ("detection ms", 1e3, 1, |m| m.detection_delay_s),
     ("impact N", 1.0, 1, |m| m.impact_peak_n),

@@ -45,7 +45,9 @@ fn one_thread_and_many_write_the_same_bytes_and_an_interrupted_sweep_goes_on() {
         std::fs::write(&path, &one[0][..kept]).unwrap();
         let told = AtomicUsize::new(0);
         let (outcomes, resumed) = plan
-            .run(&path, |runs| drop(told.fetch_add(runs, Ordering::Relaxed)))
+            .run(&path, |runs| {
+                told.fetch_add(runs, Ordering::Relaxed);
+            })
             .unwrap();
         assert_eq!((outcomes.len(), resumed, told.into_inner()), (18, whole, 18));
         assert_eq!(std::fs::read_to_string(&path).unwrap(), one[0]);
@@ -111,7 +113,7 @@ fn grid(scenario: &Scenario, steps: usize) -> Vec<Vec<String>> {
 #[test]
 fn no_coarse_grid_finds_better_gains_for_the_peers() {
     let tuned = Tuned::built_in().unwrap();
-    for (law, steps) in [("pd", 7), ("fzi", 7), ("ros2", 4)] {
+    for (law, steps) in [("pd", 5), ("fzi", 5), ("ros2", 3)] {
         let overrides = [
             format!("controller.law={law}"),
             "timing.duration_s=2.1".to_owned(),

@@ -102,7 +102,7 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
 
 fn text(report: &Report<'_>) -> String {
     let mut text = String::from(
-        "map        law        cells  stable  theory agrees  else near its border  too hopeful  mean IAE of stable N s\n",
+        "map        law        cells  settled  stable  theory agrees  else near its border  too hopeful  mean IAE of settled N s\n",
     );
     let count = |value: Option<usize>| value.map_or_else(|| "-".to_owned(), |value| value.to_string());
     for verdict in report.maps {
@@ -110,10 +110,11 @@ fn text(report: &Report<'_>) -> String {
             .mean_iae_n_s
             .map_or_else(|| "-".to_owned(), |iae| format!("{iae:.3}"));
         text += &format!(
-            "{:9}  {:9}  {:5}  {:6}  {:>13}  {:>20}  {:>11}  {:>22}\n",
+            "{:9}  {:9}  {:5}  {:7}  {:6}  {:>13}  {:>20}  {:>11}  {:>23}\n",
             verdict.map,
             verdict.law,
             verdict.cells,
+            verdict.settled_cells,
             verdict.stable_cells,
             count(verdict.agreeing_cells),
             count(verdict.near_border_cells),

@@ -1,6 +1,6 @@
 //! What of a run is kept for its figures.
 
-use super::{Metrics, NoFigures, REBOUND_S, STEADY_S, WINDOW_S};
+use super::{EARLY_S, Metrics, NoFigures, REBOUND_S, STEADY_S, WINDOW_S};
 use crate::in_process::Tick;
 use crate::transcript::{self, Entry};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -216,11 +216,10 @@ impl Recording {
         let turn = |sample: &Sample| rotation::log(&(sample.rotation * before.inverse()));
         let steady = &ticks[ticks.len() - libm::rint(STEADY_S / TICK_S) as usize..];
         let count = steady.len() as f64;
-        let mean_n = steady.iter().map(|s| s.contact_force_n).sum::<f64>() / count;
-        let squares = steady.iter().map(|s| {
-            let deviation = s.contact_force_n - mean_n;
-            deviation * deviation
-        });
+        let mean_n = mean_force(steady);
+        let sigma_n = sigma(steady);
+        let early = libm::rint(EARLY_S / TICK_S) as usize;
+        let early_n = sigma(&ticks[early..early + steady.len()]);
         let peak_n = force.iter().copied().fold(0.0, f64::max);
         let contact_s = self.first_contact_s?;
         let before_j = start
@@ -235,7 +234,8 @@ impl Recording {
             iae_n_s: error.iter().map(|e| e.abs()).sum::<f64>() * TICK_S,
             impulse_above_n_s: error.iter().map(|e| e.max(0.0)).sum::<f64>() * TICK_S,
             steady_error_n: mean_n - desired,
-            steady_sigma_n: (squares.sum::<f64>() / count).sqrt(),
+            steady_sigma_n: sigma_n,
+            ringing_ratio: if early_n > 0.0 { sigma_n / early_n } else { 0.0 },
             rebounds: rebounds(ticks),
             detection_delay_s: self
                 .detected_tick
@@ -270,6 +270,18 @@ impl Recording {
             self.first_fault = Some(self.first_fault.map_or(found, |first| first.min(found)));
         }
     }
+}
+
+/// Mean of the true contact force, N.
+fn mean_force(ticks: &[Sample]) -> f64 {
+    ticks.iter().map(|sample| sample.contact_force_n).sum::<f64>() / ticks.len() as f64
+}
+
+/// Its standard deviation, N.
+fn sigma(ticks: &[Sample]) -> f64 {
+    let mean_n = mean_force(ticks);
+    let deviations = ticks.iter().map(|sample| sample.contact_force_n - mean_n);
+    (deviations.map(|deviation| deviation * deviation).sum::<f64>() / ticks.len() as f64).sqrt()
 }
 
 /// How often the tool has been in the air for longer than [`REBOUND_S`] before it met the object again.

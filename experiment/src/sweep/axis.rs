@@ -27,7 +27,7 @@ impl Axis {
     pub fn label(&self) -> &'static str {
         match self {
             Self::ContactStiffness => "contact stiffness, N/m",
-            Self::ComplianceRatio => "assumed / real compliance of the sensor",
+            Self::ComplianceRatio => "assumed / real compliance",
             Self::Delay => "delay of the sensor, ms",
             Self::RobotLag => "lag of the robot, ms",
             Self::GearMode => "gear mode, Hz",

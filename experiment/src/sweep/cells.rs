@@ -1,6 +1,6 @@
 //! The runs of a cell together, and what linear theory predicts of it.
 
-use super::{Outcome, Plan};
+use super::{Outcome, Plan, State};
 use crate::linear::{Loop, Margins, Response};
 use crate::metrics::Metrics;
 use rayon::prelude::*;
@@ -11,8 +11,10 @@ use serde::Serialize;
 pub struct Cell {
     /// Contact phases.
     pub runs: usize,
-    /// Those that came to rest.
-    pub stable_runs: usize,
+    /// Those whose force came to rest.
+    pub settled_runs: usize,
+    /// Those whose force rings on, or that latched a fault.
+    pub unstable_runs: usize,
     /// Mean figures of the runs, where all have some.
     pub mean: Option<Metrics>,
     /// Worst figures of the runs, where all have some.
@@ -22,9 +24,14 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// Whether all its runs came to rest.
+    /// Whether none of its runs is unstable.
     pub fn stable(&self) -> bool {
-        self.stable_runs == self.runs
+        self.unstable_runs == 0
+    }
+
+    /// Whether all of them came to rest.
+    pub fn settled(&self) -> bool {
+        self.settled_runs == self.runs
     }
 }
 
@@ -77,6 +84,7 @@ impl Cells {
 }
 
 fn summary(runs: &[Outcome]) -> Cell {
+    let count = |state: State| runs.iter().filter(|run| run.state == state).count();
     let figures: Option<Vec<_>> = runs
         .iter()
         .map(|run| run.metrics.map(|metrics| metrics.values()))
@@ -90,7 +98,8 @@ fn summary(runs: &[Outcome]) -> Cell {
     };
     Cell {
         runs: runs.len(),
-        stable_runs: runs.iter().filter(|run| run.stable).count(),
+        settled_runs: count(State::Settled),
+        unstable_runs: count(State::Unstable),
         mean: over(&|values| values.iter().sum::<f64>() / values.len() as f64),
         worst: over(&|values| {
             let larger = |a: f64, b: &f64| {
@@ -116,6 +125,8 @@ pub struct Verdict {
     /// Cells.
     pub cells: usize,
     /// Cells all of whose runs came to rest.
+    pub settled_cells: usize,
+    /// Cells none of whose runs is unstable.
     pub stable_cells: usize,
     /// Cells of which theory says what simulation shows; `None`: the law has no linear model.
     pub agreeing_cells: Option<usize>,
@@ -123,7 +134,7 @@ pub struct Verdict {
     pub near_border_cells: Option<usize>,
     /// Cells that are predicted stable and simulated unstable.
     pub too_hopeful_cells: Option<usize>,
-    /// Mean IAE of the stable cells, N s.
+    /// Mean IAE of the settled cells, N s.
     pub mean_iae_n_s: Option<f64>,
 }
 
@@ -140,8 +151,8 @@ pub fn verdicts(plan: &Plan, cells: &Cells) -> Vec<Verdict> {
 
 fn verdict(map: &str, law: &str, rows: &[Vec<Cell>]) -> Verdict {
     let flat: Vec<&Cell> = rows.iter().flatten().collect();
-    let stable: Vec<&&Cell> = flat.iter().filter(|cell| cell.stable()).collect();
-    let iae: Vec<f64> = stable
+    let settled: Vec<&&Cell> = flat.iter().filter(|cell| cell.settled()).collect();
+    let iae: Vec<f64> = settled
         .iter()
         .filter_map(|cell| cell.mean.map(|mean| mean.iae_n_s))
         .collect();
@@ -166,7 +177,8 @@ fn verdict(map: &str, law: &str, rows: &[Vec<Cell>]) -> Verdict {
         map: map.to_owned(),
         law: law.to_owned(),
         cells: flat.len(),
-        stable_cells: stable.len(),
+        settled_cells: settled.len(),
+        stable_cells: flat.iter().filter(|cell| cell.stable()).count(),
         agreeing_cells: known.then_some(agreeing),
         near_border_cells: known.then_some(near),
         too_hopeful_cells: known.then_some(hopeful),
@@ -178,7 +190,7 @@ fn verdict(map: &str, law: &str, rows: &[Vec<Cell>]) -> Verdict {
 pub fn cells_csv(plan: &Plan, cells: &Cells) -> String {
     let figures = |kind: &str| Metrics::NAMES.map(|name| format!("{kind}_{name}")).join(",");
     let mut text = format!(
-        "map,law,gains,x_axis,x,y_axis,y,runs,stable_runs,predicted_stable,predicted_gain_margin,\
+        "map,law,gains,x_axis,x,y_axis,y,runs,settled_runs,unstable_runs,predicted_stable,predicted_gain_margin,\
          predicted_phase_margin_rad,{},{}\n",
         figures("mean"),
         figures("worst")
@@ -200,13 +212,14 @@ pub fn cells_csv(plan: &Plan, cells: &Cells) -> String {
                         )
                     });
                     text += &format!(
-                        "{},{law},{},{},{x:?},{},{y:?},{},{},{predicted},{},{}\n",
+                        "{},{law},{},{},{x:?},{},{y:?},{},{},{},{predicted},{},{}\n",
                         map.name,
                         plan.definition.gains.word(),
                         map.x.axis.column(),
                         map.y.axis.column(),
                         cell.runs,
-                        cell.stable_runs,
+                        cell.settled_runs,
+                        cell.unstable_runs,
                         numbers(&cell.mean),
                         numbers(&cell.worst)
                     );
@@ -224,7 +237,8 @@ mod tests {
     fn cell(stable: bool, predicted: bool) -> Cell {
         Cell {
             runs: 2,
-            stable_runs: if stable { 2 } else { 1 },
+            settled_runs: 1,
+            unstable_runs: usize::from(!stable),
             mean: None,
             worst: None,
             predicted: Some(Margins {
@@ -263,17 +277,17 @@ mod tests {
                 settling_2_s: if peak_n > 15.0 { f64::NAN } else { 0.1 },
                 ..Metrics::default()
             }),
-            stable: true,
+            state: State::Settled,
         };
         let whole = summary(&[run(10.0), run(20.0)]);
         assert_eq!(whole.mean.unwrap().peak_n, 15.0);
         assert_eq!(whole.worst.unwrap().peak_n, 20.0);
-        assert!(whole.worst.unwrap().settling_2_s.is_nan() && whole.stable());
+        assert!(whole.worst.unwrap().settling_2_s.is_nan() && whole.stable() && whole.settled());
         let failed = Outcome {
             metrics: None,
-            stable: false,
+            state: State::Unstable,
         };
         let part = summary(&[run(10.0), failed]);
-        assert_eq!((part.mean, part.stable_runs), (None, 1));
+        assert_eq!((part.mean, part.settled_runs, part.unstable_runs), (None, 1, 1));
     }
 }

@@ -8,14 +8,14 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 /// Sizes, px.
 const SQUARE: i32 = 19;
 const LEFT: i32 = 56;
-const TOP: i32 = 104;
+const TOP: i32 = 112;
 const TITLE: i32 = 26;
 const TICKS: i32 = 58;
 const GAP: i32 = 18;
 const EDGE: i32 = 26;
 /// Panels side by side.
 const COLUMNS: usize = 4;
-const LEAST_WIDTH: i32 = 880;
+const LEAST_WIDTH: i32 = 900;
 
 /// What the colours stand for, N s, on a logarithmic scale.
 const IAE_N_S: [f64; 2] = [0.1, 10.0];
@@ -72,26 +72,40 @@ fn draw_panel(root: &Area<'_>, map: &MapDefinition, law: &str, rows: &[Vec<Cell>
     ))?;
     for (y, row) in (0..).zip(rows) {
         for (x, cell) in (0..).zip(row) {
-            let (low, high) = (corner(x, y), corner(x + 1, y + 1));
-            let fill = cell
-                .mean
-                .filter(|_| cell.stable())
-                .map_or(WHITE, |mean| colour(mean.iae_n_s));
-            root.draw(&Rectangle::new([low, high], fill.filled()))?;
-            root.draw(&Rectangle::new([low, high], FAINT.stroke_width(px(1) as u32 / 2)))?;
-            if !cell.stable() {
-                let inset = px(5);
-                let (left, right) = (low.0 + inset, high.0 - inset);
-                let (bottom, top) = (low.1 - inset, high.1 + inset);
-                root.draw(&line([(left, bottom), (right, top)], INK, 1))?;
-                if cell.stable_runs == 0 {
-                    root.draw(&line([(left, top), (right, bottom)], INK, 1))?;
-                }
-            }
+            draw_cell(root, cell, corner(x, y), corner(x + 1, y + 1))?;
         }
+    }
+    let across = map.x.values.len() as i32;
+    for x in 0..=across {
+        root.draw(&line([corner(x, 0), corner(x, up)], FAINT, 1))?;
+    }
+    for y in 0..=up {
+        root.draw(&line([corner(0, y), corner(across, y)], FAINT, 1))?;
     }
     draw_border(root, rows, corner)?;
     draw_axes(root, map, at, up)
+}
+
+/// Its colour, or its cross on white; a point where it rings but dies out.
+fn draw_cell(root: &Area<'_>, cell: &Cell, low: (i32, i32), high: (i32, i32)) -> Drawn {
+    let shown = cell.mean.filter(|_| cell.stable());
+    if let Some(mean) = shown {
+        let fill = colour(mean.iae_n_s);
+        root.draw(&Rectangle::new([low, high], fill.filled()))?;
+    }
+    let inset = px(5);
+    let (left, right) = (low.0 + inset, high.0 - inset);
+    let (bottom, top) = (low.1 - inset, high.1 + inset);
+    if !cell.stable() {
+        root.draw(&line([(left, bottom), (right, top)], INK, 1))?;
+        if cell.unstable_runs == cell.runs {
+            root.draw(&line([(left, top), (right, bottom)], INK, 1))?;
+        }
+    } else if !cell.settled() {
+        let middle = ((low.0 + high.0) / 2, (low.1 + high.1) / 2);
+        root.draw(&Circle::new(middle, px(3), WHITE.filled()))?;
+    }
+    Ok(())
 }
 
 /// Along the edges between cells that are predicted stable and cells that are not.
@@ -126,7 +140,7 @@ fn draw_axes(root: &Area<'_>, map: &MapDefinition, at: (i32, i32), up: i32) -> D
             INK,
         ))?;
     }
-    for i in shown(&map.y) {
+    for i in 0..map.y.values.len() {
         let text = number(map.y.values[i]);
         root.draw(&label(
             &text,
@@ -187,17 +201,18 @@ fn number(value: f64) -> String {
 /// Title, scale of the colours, and what the marks mean.
 fn draw_legend(root: &Area<'_>, plan: &Plan, map: &MapDefinition) -> Drawn {
     let left = Pos::new(HPos::Left, VPos::Center);
-    let (first, second) = (52, 84);
+    let (first, second) = (54, 90);
+    let word =
+        |text: &str, x: i32, y: i32| -> Drawn { Ok(root.draw(&label(text, (x, y), SMALL, left, INK))?) };
     root.draw(&label(&map.title, (EDGE, 22), LARGE, left, INK))?;
-    let runs = plan.definition.phases;
-    let gains = plan.definition.gains.word();
-    let what = "integral of the force error's magnitude over 1.5 s, N s:";
-    root.draw(&label(what, (EDGE, first), SMALL, left, INK))?;
-    let (start, wide) = (400, 240);
+    word("integral of |force error| over 1.5 s, N s:", EDGE, first)?;
+    let (start, wide) = (EDGE + 300, 240);
     for i in 0..wide {
         let share = f64::from(i) / f64::from(wide);
         let value = IAE_N_S[0] * libm::pow(IAE_N_S[1] / IAE_N_S[0], share);
-        let corners = [(px(start + i), px(first - 8)), (px(start + i + 1), px(first + 8))];
+        // Each overlaps the next, so that no viewer draws a seam.
+        let end = (start + i + 2).min(start + wide);
+        let corners = [(px(start + i), px(first - 8)), (px(end), px(first + 8))];
         root.draw(&Rectangle::new(corners, colour(value).filled()))?;
     }
     let under = Pos::new(HPos::Center, VPos::Top);
@@ -206,30 +221,42 @@ fn draw_legend(root: &Area<'_>, plan: &Plan, map: &MapDefinition) -> Drawn {
         let at = start + libm::rint(share * f64::from(wide)) as i32;
         root.draw(&label(text, (at, first + 9), SMALL - 2, under, INK))?;
     }
-    let told = format!("mean of {runs} contact phases; {gains} gains");
-    root.draw(&label(&told, (start + wide + 24, first), SMALL, left, INK))?;
-    let cross = |x: i32, both: bool| -> Drawn {
-        let at = |dx: i32, dy: i32| (px(x + dx), px(second + dy));
-        root.draw(&line([at(0, 5), at(10, -5)], INK, 1))?;
-        if both {
-            root.draw(&line([at(0, -5), at(10, 5)], INK, 1))?;
-        }
-        Ok(())
+    let (runs, gains) = (plan.definition.phases, plan.definition.gains.word());
+    let phases = if runs == 1 {
+        "one contact phase".to_owned()
+    } else {
+        format!("mean of {runs} contact phases")
     };
-    cross(EDGE, true)?;
-    let text = "unstable: the force does not come to rest";
-    root.draw(&label(text, (EDGE + 18, second), SMALL, left, INK))?;
-    cross(EDGE + 300, false)?;
-    root.draw(&label("in some phases", (EDGE + 318, second), SMALL, left, INK))?;
-    let at = EDGE + 440;
+    word(&format!("{phases}; {gains} gains"), start + wide + 24, first)?;
+    let mark = |x: i32, settled_runs: usize, unstable_runs: usize| -> Drawn {
+        let cell = Cell {
+            runs: 2,
+            settled_runs,
+            unstable_runs,
+            mean: None,
+            worst: None,
+            predicted: None,
+        };
+        let half = SQUARE / 2;
+        let (low, high) = ((px(x), px(second + half)), (px(x + SQUARE), px(second - half)));
+        if unstable_runs == 0 {
+            root.draw(&Rectangle::new([low, high], colour(1.0).filled()))?;
+        }
+        draw_cell(root, &cell, low, high)
+    };
+    mark(EDGE, 0, 2)?;
+    word("unstable", EDGE + 24, second)?;
+    mark(EDGE + 106, 1, 1)?;
+    word("in some phases", EDGE + 130, second)?;
+    mark(EDGE + 258, 0, 0)?;
+    word("rings for more than 1.2 s, but dies out", EDGE + 284, second)?;
+    let at = EDGE + 580;
     root.draw(&line(
         [(px(at), px(second)), (px(at + 24), px(second))],
         BORDER,
         3,
     ))?;
-    let text = "border of stability that linear theory predicts";
-    root.draw(&label(text, (at + 32, second), SMALL, left, INK))?;
-    Ok(())
+    word("border of stability by linear theory", at + 32, second)
 }
 
 /// Of an IAE in N s.

@@ -22,10 +22,12 @@ const FIRST_COLUMNS: [&str; 9] = [
     "y",
     "phase",
     "figures",
-    "stable",
+    "state",
 ];
-/// The force may vary by this share of the desired one, rms, at the end of a stable run.
+/// A force that varies by less than this share of the desired one, rms, at the end has settled.
 const QUIET: f64 = 0.10;
+/// One that rings more than that dies out if it has lost a tenth within 0.6 s.
+const DYING: f64 = 0.9;
 
 /// The first line of the file.
 pub const HEADER: fn() -> String = || {
@@ -50,23 +52,50 @@ pub struct Run {
     pub scenario: Scenario,
 }
 
+/// Where the force of a run has gone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// To rest: at the end it varies by at most 10 % of the desired force, rms.
+    Settled,
+    /// It still rings, but has lost a tenth or more of that within 0.6 s.
+    Decaying,
+    /// It rings on, or a fault has latched.
+    Unstable,
+}
+
+impl State {
+    const ALL: [(Self, &'static str); 3] = [
+        (Self::Settled, "settled"),
+        (Self::Decaying, "decaying"),
+        (Self::Unstable, "unstable"),
+    ];
+
+    fn word(self) -> &'static str {
+        Self::ALL
+            .into_iter()
+            .find(|(state, _)| *state == self)
+            .map_or("", |(_, word)| word)
+    }
+}
+
 /// What has come of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
     /// Its figures; none: a fault, or no contact.
     pub metrics: Option<Metrics>,
-    /// Whether the force has come to rest: figures, and a standard deviation of at most 10 % of the desired force at the
-    /// end.
-    pub stable: bool,
+    /// Where its force has gone.
+    pub state: State,
 }
 
 impl Outcome {
     fn new(result: &Result<Metrics, NoFigures>, desired_n: f64) -> Self {
         let metrics = result.as_ref().ok().copied();
-        Self {
-            metrics,
-            stable: metrics.is_some_and(|metrics| metrics.steady_sigma_n <= QUIET * desired_n),
-        }
+        let state = match metrics {
+            Some(metrics) if metrics.steady_sigma_n <= QUIET * desired_n => State::Settled,
+            Some(metrics) if metrics.ringing_ratio < DYING => State::Decaying,
+            _ => State::Unstable,
+        };
+        Self { metrics, state }
     }
 }
 
@@ -203,9 +232,9 @@ impl Plan {
             Some(metrics) => metrics.values().map(|value| format!("{value:?}")).join(","),
             None => vec![""; Metrics::COUNT].join(","),
         };
-        let (has, stable) = (u8::from(outcome.metrics.is_some()), u8::from(outcome.stable));
+        let (has, state) = (u8::from(outcome.metrics.is_some()), outcome.state.word());
         format!(
-            "{},{},{law},{gains},{x:?},{y:?},{},{has},{stable},{figures}\n",
+            "{},{},{law},{gains},{x:?},{y:?},{},{has},{state},{figures}\n",
             hash(run),
             map.name,
             run.phase
@@ -225,7 +254,7 @@ impl Plan {
         }
         let outcome = Outcome {
             metrics: (first[7] == "1").then(|| Metrics::from_values(values)),
-            stable: first[8] == "1",
+            state: State::ALL.into_iter().find(|(_, word)| *word == first[8])?.0,
         };
         // Nothing but what would be written.
         (self.line(run, &outcome).trim_end() == line).then_some(outcome)
