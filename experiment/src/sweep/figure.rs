@@ -6,7 +6,11 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// Sizes, px.
-const SQUARE: i32 = 19;
+/// Of the mark in the legend.
+const MARK: i32 = 19;
+/// Of a panel's longer side, and of its squares at least and at most.
+const PANEL: i32 = 210;
+const SQUARE: [i32; 2] = [16, 62];
 const LEFT: i32 = 56;
 const TOP: i32 = 112;
 const TITLE: i32 = 26;
@@ -42,8 +46,9 @@ pub fn map_figure(plan: &Plan, cells: &Cells, map: usize) -> Result<String, Swee
 
 fn draw(plan: &Plan, map: &MapDefinition, laws: &[Vec<Vec<Cell>>]) -> Drawn<String> {
     let columns = laws.len().min(COLUMNS);
+    let square = square(map);
     let (across, up) = (map.x.values.len() as i32, map.y.values.len() as i32);
-    let (panel_width, panel_height) = (LEFT + across * SQUARE + GAP, TITLE + up * SQUARE + TICKS);
+    let (panel_width, panel_height) = (LEFT + across * square + GAP, TITLE + up * square + TICKS);
     let width = LEAST_WIDTH.max(EDGE + columns as i32 * panel_width);
     let height = TOP + laws.len().div_ceil(COLUMNS) as i32 * panel_height;
     svg(width, height, |root| {
@@ -61,8 +66,8 @@ fn draw(plan: &Plan, map: &MapDefinition, laws: &[Vec<Vec<Cell>>]) -> Drawn<Stri
 
 /// A panel whose squares' upper left corner is `at`.
 fn draw_panel(root: &Area<'_>, map: &MapDefinition, law: &str, rows: &[Vec<Cell>], at: (i32, i32)) -> Drawn {
-    let up = rows.len() as i32;
-    let corner = |x: i32, y: i32| (px(at.0 + x * SQUARE), px(at.1 + (up - y) * SQUARE));
+    let (up, square) = (rows.len() as i32, square(map));
+    let corner = |x: i32, y: i32| (px(at.0 + x * square), px(at.1 + (up - y) * square));
     root.draw(&label(
         law,
         (at.0, at.1 - 8),
@@ -127,14 +132,15 @@ fn draw_border(root: &Area<'_>, rows: &[Vec<Cell>], corner: impl Fn(i32, i32) ->
 }
 
 fn draw_axes(root: &Area<'_>, map: &MapDefinition, at: (i32, i32), up: i32) -> Drawn {
+    let square = square(map);
     let below = Pos::new(HPos::Center, VPos::Top);
     let beside = Pos::new(HPos::Right, VPos::Center);
-    let centre = |i: usize| i as i32 * SQUARE + SQUARE / 2;
+    let centre = |i: usize| i as i32 * square + square / 2;
     for i in shown(&map.x) {
         let text = number(map.x.values[i]);
         root.draw(&label(
             &text,
-            (at.0 + centre(i), at.1 + up * SQUARE + 5),
+            (at.0 + centre(i), at.1 + up * square + 5),
             SMALL - 2,
             below,
             INK,
@@ -144,17 +150,17 @@ fn draw_axes(root: &Area<'_>, map: &MapDefinition, at: (i32, i32), up: i32) -> D
         let text = number(map.y.values[i]);
         root.draw(&label(
             &text,
-            (at.0 - 5, at.1 + up * SQUARE - centre(i)),
+            (at.0 - 5, at.1 + up * square - centre(i)),
             SMALL - 2,
             beside,
             INK,
         ))?;
     }
-    let middle = map.x.values.len() as i32 * SQUARE / 2;
+    let middle = map.x.values.len() as i32 * square / 2;
     let text = map.x.axis.label();
     root.draw(&label(
         text,
-        (at.0 + middle, at.1 + up * SQUARE + 24),
+        (at.0 + middle, at.1 + up * square + 24),
         SMALL,
         below,
         INK,
@@ -163,9 +169,15 @@ fn draw_axes(root: &Area<'_>, map: &MapDefinition, at: (i32, i32), up: i32) -> D
         .transform(FontTransform::Rotate270)
         .pos(Pos::new(HPos::Center, VPos::Bottom))
         .color(&INK);
-    let where_to = (px(at.0 - 36), px(at.1 + up * SQUARE / 2));
+    let where_to = (px(at.0 - 36), px(at.1 + up * square / 2));
     root.draw(&Text::new(map.y.axis.label().to_owned(), where_to, turned))?;
     Ok(())
+}
+
+/// The side of a square of `map`, px.
+fn square(map: &MapDefinition) -> i32 {
+    let most = map.x.values.len().max(map.y.values.len()) as i32;
+    (PANEL / most).clamp(SQUARE[0], SQUARE[1])
 }
 
 /// The values that have room for a number: every second one of many or long ones along x.
@@ -237,8 +249,8 @@ fn draw_legend(root: &Area<'_>, plan: &Plan, map: &MapDefinition) -> Drawn {
             worst: None,
             predicted: None,
         };
-        let half = SQUARE / 2;
-        let (low, high) = ((px(x), px(second + half)), (px(x + SQUARE), px(second - half)));
+        let half = MARK / 2;
+        let (low, high) = ((px(x), px(second + half)), (px(x + MARK), px(second - half)));
         if unstable_runs == 0 {
             root.draw(&Rectangle::new([low, high], colour(1.0).filled()))?;
         }

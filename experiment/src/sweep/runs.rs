@@ -26,8 +26,10 @@ const FIRST_COLUMNS: [&str; 9] = [
 ];
 /// A force that varies by less than this share of the desired one, rms, at the end has settled.
 const QUIET: f64 = 0.10;
-/// One that rings more than that dies out if it has lost a tenth within 0.6 s.
+/// One that rings more than that dies out if it has lost a tenth within 0.6 s, and if it does not bounce any more: the
+/// amplitude of bounces is bounded by other things.
 const DYING: f64 = 0.9;
+const BOUNCING: f64 = 0.5;
 
 /// The first line of the file.
 pub const HEADER: fn() -> String = || {
@@ -57,7 +59,7 @@ pub struct Run {
 pub enum State {
     /// To rest: at the end it varies by at most 10 % of the desired force, rms.
     Settled,
-    /// It still rings, but has lost a tenth or more of that within 0.6 s.
+    /// It still rings, by up to half of the desired force, but has lost a tenth or more of that within 0.6 s.
     Decaying,
     /// It rings on, or a fault has latched.
     Unstable,
@@ -92,7 +94,11 @@ impl Outcome {
         let metrics = result.as_ref().ok().copied();
         let state = match metrics {
             Some(metrics) if metrics.steady_sigma_n <= QUIET * desired_n => State::Settled,
-            Some(metrics) if metrics.ringing_ratio < DYING => State::Decaying,
+            Some(metrics)
+                if metrics.ringing_ratio < DYING && metrics.steady_sigma_n <= BOUNCING * desired_n =>
+            {
+                State::Decaying
+            }
             _ => State::Unstable,
         };
         Self { metrics, state }
