@@ -24,72 +24,81 @@ pub mod observer;
 pub mod plant;
 pub mod regulator;
 
-use crate::Settings;
 use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch, Waypoint};
 use course::Course;
 use flexibility::Flexibility;
-use nalgebra::Vector3;
-use node::scenario;
-use observer::{Observer, Reading};
-use plant::{ACCELERATION, POSITION, Plant, SPEED, State};
+use node::scenario::{self, Scenario};
+use observer::{Observer, Reading, place};
+use plant::{Plant, State};
 use spatial::TICK_S;
 use spatial::kinematics::Axes;
+use std::sync::Arc;
 
 /// Modes that are modelled; the others are taken as rigid.
 pub const MODES: usize = 3;
 /// Hypotheses of the gears' frequency.
 pub const HYPOTHESES: usize = 5;
 
+/// What is computed before anything runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Design {
+    parameters: scenario::ElasticLaw,
+    plants: [Plant; HYPOTHESES],
+    /// The largest acceleration along the normal, m/s^2.
+    acceleration_limit: f64,
+    period_s: f64,
+}
+
+impl Design {
+    /// Where the task begins; `None` if what is assumed can't be regulated.
+    pub fn new(scenario: &Scenario) -> Option<Self> {
+        let controller = &scenario.controller;
+        let parameters = controller.elastic.clone();
+        let axes = scenario.start_axes().ok()?;
+        let jacobian = scenario.robot.kinematics().jacobian(&axes);
+        let of = |i: usize| {
+            let off = 2.0 * i as f64 / (HYPOTHESES - 1) as f64 - 1.0;
+            Flexibility::new(controller, &jacobian, 1.0 + off * parameters.mode_spread)
+        };
+        let plant = |i| {
+            let (servo, ticks) = (&controller.servo, scenario.timing.command_period_ticks);
+            Plant::new(&of(i), servo, ticks, &parameters)
+        };
+        let limits = Axes::from(controller.acceleration_limit_rad_per_s2);
+        let per_metre = of(0).axes_per_tcp;
+        let acceleration_limit = (0..6)
+            .map(|i| limits[i] / per_metre[i].abs().max(1e-9))
+            .fold(f64::INFINITY, f64::min);
+        Some(Self {
+            plants: [plant(0)?, plant(1)?, plant(2)?, plant(3)?, plant(4)?],
+            parameters,
+            acceleration_limit,
+            period_s: scenario.timing.command_period_ticks as f64 * TICK_S,
+        })
+    }
+}
+
 /// The law along the normal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Elastic {
-    parameters: scenario::ElasticLaw,
-    plants: [Plant; HYPOTHESES],
+    design: Arc<Design>,
     observers: Option<[Observer; HYPOTHESES]>,
     course: Course,
     /// When the newest sample was true (s), and where the motors were then (m).
     newest: Option<(f64, f64)>,
-    /// The largest acceleration along the normal, m/s^2.
-    acceleration_limit: f64,
-    period_s: f64,
     motion: [Waypoint; PREVIEW],
 }
 
 impl Elastic {
-    /// For the robot at `axes`, with the hanging tcp at `lever` (m, in r) from the sensor frame; `None` if what is
-    /// assumed can't be regulated.
-    pub(crate) fn new(settings: &Settings, axes: &Axes, lever: &Vector3<f64>) -> Option<Self> {
-        let controller = &settings.controller;
-        let parameters = controller.elastic.clone();
-        let mut plants = [None; HYPOTHESES];
-        let mut axes_per_tcp = Axes::zeros();
-        for (i, plant) in plants.iter_mut().enumerate() {
-            let off = 2.0 * i as f64 / (HYPOTHESES - 1) as f64 - 1.0;
-            let scale = 1.0 + off * parameters.mode_spread;
-            let flexibility = Flexibility::new(settings, axes, lever, scale);
-            axes_per_tcp = flexibility.axes_per_tcp;
-            *plant = Plant::new(
-                &flexibility,
-                &controller.servo,
-                settings.period_ticks,
-                parameters.effort_s2,
-            );
-        }
-        let limits = Axes::from(controller.acceleration_limit_rad_per_s2);
-        let acceleration_limit = (0..6)
-            .map(|i| limits[i] / axes_per_tcp[i].abs().max(1e-9))
-            .fold(f64::INFINITY, f64::min);
-        let [a, b, c, d, e] = plants;
-        Some(Self {
-            parameters,
-            plants: [a?, b?, c?, d?, e?],
+    /// Nothing known of the object.
+    pub fn new(design: Arc<Design>) -> Self {
+        Self {
+            design,
             observers: None,
             course: Course::default(),
             newest: None,
-            acceleration_limit,
-            period_s: settings.period_s(),
             motion: [Waypoint::default(); PREVIEW],
-        })
+        }
     }
 
     /// The command filters will be at `waypoint` at `time_s` (s), when the next set-point begins to act.
@@ -106,10 +115,13 @@ impl Elastic {
         };
         let begins = self.observers.is_none() || sample.touch == Touch::Lost;
         let Some((time_s, motors)) = self.newest.filter(|_| !begins) else {
-            let rate = self.course.at(sample.time_s).rate;
-            self.observers = Some(std::array::from_fn(|i| {
-                Observer::new(&self.plants[i], sample.actual, rate)
-            }));
+            let filter = self.course.at(sample.time_s);
+            self.observers = Some(
+                self.design
+                    .plants
+                    .each_ref()
+                    .map(|plant| Observer::new(plant, &filter)),
+            );
             self.newest = Some((sample.time_s, sample.actual));
             return;
         };
@@ -117,7 +129,6 @@ impl Elastic {
         let Some(observers) = &mut self.observers else {
             return;
         };
-        let mut before = motors;
         for tick in 1..=ticks {
             let last = tick == ticks;
             let time_s = sample.time_s - (ticks - tick) as f64 * TICK_S;
@@ -127,10 +138,9 @@ impl Elastic {
                 ..reading
             };
             let filter = self.course.at(time_s);
-            for (observer, plant) in observers.iter_mut().zip(&self.plants) {
-                observer.take(plant, &self.parameters, before, &now, &filter);
+            for (observer, plant) in observers.iter_mut().zip(&self.design.plants) {
+                observer.take(plant, &self.design.parameters, &now, &filter);
             }
-            before = now.motors;
         }
         self.newest = Some((sample.time_s, sample.actual));
     }
@@ -145,22 +155,22 @@ impl Elastic {
         let ticks = libm::round((acts_s - time_s) / TICK_S).clamp(0.0, 200.0) as i64;
         let mut states: [State; HYPOTHESES] = std::array::from_fn(|i| {
             let object = observers[i].object();
-            let mut state = observers[i].state(&self.course.at(time_s));
+            let mut state = observers[i].state();
             for tick in 1..=ticks {
-                state = self.plants[i].tick * state;
+                state = self.design.plants[i].tick * state;
                 place(&mut state, &self.course.at(time_s + tick as f64 * TICK_S), object);
             }
             state
         });
-        let period = self.period_s;
+        let period = self.design.period_s;
         for motion in &mut self.motion {
             let mut change = 0.0;
-            for ((plant, state), weight) in self.plants.iter().zip(&states).zip(weights) {
+            for ((plant, state), weight) in self.design.plants.iter().zip(&states).zip(weights) {
                 let goal = plant.rest * (aim.displacement / plant.share());
                 change -= weight * (plant.gain * (state - goal))[0];
             }
             let before = waypoint;
-            let limit = self.acceleration_limit;
+            let limit = self.design.acceleration_limit;
             let after = (before.change + change).clamp(-limit, limit);
             waypoint = Waypoint {
                 position: before.position
@@ -168,7 +178,7 @@ impl Elastic {
                 rate: before.rate + period * 0.5 * (before.change + after),
                 change: after,
             };
-            for ((plant, state), observer) in self.plants.iter().zip(&mut states).zip(observers) {
+            for ((plant, state), observer) in self.design.plants.iter().zip(&mut states).zip(observers) {
                 *state = plant.period * *state + plant.input * (after - before.change);
                 place(state, &waypoint, observer.object());
             }
@@ -192,13 +202,6 @@ impl Elastic {
             .sum();
         Some((object, 0.0))
     }
-}
-
-/// The filter's part of a `state` relative to the `object`.
-fn place(state: &mut State, waypoint: &Waypoint, object: f64) {
-    state[POSITION] = waypoint.position - object;
-    state[SPEED] = waypoint.rate;
-    state[ACCELERATION] = waypoint.change;
 }
 
 /// How much each hypothesis is believed; their sum is 1.

@@ -13,6 +13,10 @@ use spatial::ports::Law;
 
 /// A law that moves the tcp along one degree of freedom, from the first contact on. Chosen in the configuration.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there are six per controller, and they are not moved"
+)]
 pub enum DofLaw {
     /// Eq. (1).
     Pd(Pd),
@@ -23,7 +27,7 @@ pub enum DofLaw {
     /// The object model, approached as a mass with damper and spring.
     Impedance(Impedance),
     /// The object model behind elastic gears, along the normal.
-    Elastic(Box<Elastic>),
+    Elastic(Elastic),
 }
 
 impl DofLaw {
@@ -104,7 +108,7 @@ impl ForceControl {
     pub fn new(controller: &scenario::Controller, selection: Selection, elastic: Option<Elastic>) -> Self {
         let mut laws = std::array::from_fn(|dof| DofLaw::new(controller, dof));
         if let Some(elastic) = elastic {
-            laws[NORMAL] = DofLaw::Elastic(Box::new(elastic));
+            laws[NORMAL] = DofLaw::Elastic(elastic);
         }
         Self { selection, laws }
     }

@@ -60,11 +60,12 @@ use pairing::EncoderHistory;
 use sensing::Sensing;
 use spatial::kinematics::{Axes, Kinematics};
 use spatial::ports::{
-    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, HORIZON, ObjectPose,
-    RobotState,
+    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, HORIZON, Law,
+    ObjectPose, RobotState,
 };
 use spatial::{Compliance, TICK_S, TICK_US, Wrench};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 use tilting::Tilting;
 use transform::deflection_at_tcp;
 
@@ -109,18 +110,14 @@ struct Settings {
     compliance: Compliance,
     d: Vector3<f64>,
     desired: Wrench,
+    /// For the law of that name.
+    elastic: Option<Arc<elastic::Design>>,
 }
 
 impl Settings {
     /// Periods from a cycle to the instant at which its first set-point is reached.
     fn lead(&self) -> i64 {
         self.controller.command_delay_periods + 1
-    }
-
-    /// Assumed compliance along the normal of a tcp at `lever` (m, in r) from the sensor frame, m/N.
-    fn normal_compliance(&self, lever: &Vector3<f64>) -> f64 {
-        let across = lever.cross(&Vector3::z()).norm_squared();
-        self.controller.compliance_m_per_n + self.controller.compliance_rad_per_nm * across
     }
 
     /// T, s.
@@ -154,6 +151,9 @@ impl Controller {
                         TaskKind::Position | TaskKind::Calibrate => Vector3::zeros(),
                     },
                 },
+                elastic: (controller.law == Law::Elastic)
+                    .then(|| elastic::Design::new(scenario).map(Arc::new))
+                    .flatten(),
             },
             phase: ControllerPhase::Init,
             fault: Fault::None,

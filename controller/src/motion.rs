@@ -89,10 +89,7 @@ impl Motion {
         };
         let compliance = tcp_compliance(&settings.compliance, &posture, &r_from_s, &selection);
         let noise_n = noise_m / compliance.along(NORMAL);
-        let lever = hanging.translation.vector - r_from_s.translation.vector;
-        let elastic = (controller.law == Law::Elastic)
-            .then(|| Elastic::new(settings, start, &lever))
-            .flatten();
+        let elastic = settings.elastic.clone().map(Elastic::new);
         // What the tool's inertia deflects looks like as much more force as the sensor is softer than assumed.
         let softer = if controller.adaptation.enabled {
             controller.adaptation.maximum_ratio

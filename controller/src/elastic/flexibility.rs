@@ -1,16 +1,16 @@
 //! How motors, gears, links, sensor and tool yield between the motors and an object that the tool presses on.
 //!
 //! Six links on elastic gears and the tool on its sensor are twelve degrees of freedom, linear about the working
-//! posture: `M q'' + K q = k e u`, the motors moving the tcp by u along the normal (`e = J^-1 n` of the axes), the tcp
-//! pinned to the object. In coordinates eta_i of their modes, each scaled such that it follows u at rest,
-//! `eta_i'' + 2 zeta w_i eta_i' + w_i^2 eta_i = w_i^2 u`, and what the sensor shows of the tcp is
-//! `y = sum r_i eta_i + r u`, the modes that do not count for much taken as rigid (`r`).
+//! posture, the tcp pinned to the object: `M q'' + K q = k q_m` with the motors at q_m. In coordinates eta_i of their
+//! modes, each scaled such that it is what the mode adds to the deflection of the tcp along the normal,
+//! `eta_i'' + 2 zeta w_i eta_i' + w_i^2 eta_i = b_i q_m`, and the deflection is `y = sum eta_i + r q_m`: the modes that
+//! do not count for much are taken as rigid (r).
 //!
 //! Model choice: PLANT.md sections 1 and 2, with what the controller assumes.
 
 use super::MODES;
-use crate::Settings;
 use nalgebra::{Cholesky, Matrix3, Matrix6, SMatrix, SVector, SymmetricEigen, Vector3};
+use node::scenario;
 use spatial::kinematics::{Axes, join};
 use std::f64::consts::TAU;
 
@@ -19,72 +19,66 @@ const PINNED: f64 = 1e3;
 /// Links and tool.
 const DOFS: usize = 12;
 
-/// One mode as motors and sensor see it.
+/// One mode as motors and sensor see it, in a coordinate that is what it adds to the deflection, m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mode {
     /// w, rad/s.
     pub frequency: f64,
-    /// r: how much of the motors' way it takes from the sensor's deflection.
-    pub share: f64,
-    /// How much of its way it pulls at the motors, 1/s^2.
-    pub pull: f64,
+    /// Acceleration per way of each motor, m/s^2 per rad.
+    pub push: Axes,
+    /// Acceleration of each motor per coordinate, rad/s^2 per m.
+    pub pull: Axes,
+    /// What it adds to the contact force times the sensor's compliance at the tcp, per coordinate: inertia counts here.
+    pub force: f64,
 }
 
-/// What the tcp sees along the normal.
+/// What is between the motors and the tcp along the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flexibility {
     /// Those that count most, by frequency.
     pub modes: [Mode; MODES],
     /// zeta of all of them.
     pub damping: f64,
-    /// The share of the modes that do not count.
-    pub rigid_share: f64,
-    /// How much of their own way the motors are pulled back by all gears, 1/s^2.
-    pub pull: f64,
-    /// What the servos feed forward of an acceleration for the links, as a share of the motors' inertia.
-    pub feed_forward: f64,
-    /// What the tcp moves per rad of each axis, m.
+    /// What all others add to the deflection per way of each motor, m/rad.
+    pub rigid: Axes,
+    /// What all others add to the contact force times compliance per way of each motor, m/rad.
+    pub rigid_force: Axes,
+    /// Acceleration of the motors per way of the motors, the links held by the modes that count, 1/s^2.
+    pub gears: Matrix6<f64>,
+    /// What the servos feed forward for the links, rad/s^2 per acceleration of the tcp.
+    pub feed_forward: Axes,
+    /// What the tcp moves along the normal per way of each axis, m/rad.
     pub tcp_per_axis: Axes,
-    /// How the axes move the tcp by one metre along the normal, rad.
+    /// How the axes move the tcp along the normal, rad/m.
     pub axes_per_tcp: Axes,
 }
 
 impl Flexibility {
-    /// Of the robot at `axes`, with the hanging tcp at `lever` (m, in r) from the sensor frame; all gear frequencies
-    /// times `scale`.
-    pub(crate) fn new(settings: &Settings, axes: &Axes, lever: &Vector3<f64>, scale: f64) -> Self {
-        let controller = &settings.controller;
+    /// Of a robot whose sensor frame, parallel to r, moves as the `jacobian` says; all gear frequencies times `scale`.
+    pub fn new(controller: &scenario::Controller, jacobian: &Matrix6<f64>, scale: f64) -> Self {
         let (gears, servo, tool) = (&controller.gears, &controller.servo, &controller.impact);
-        let jacobian = settings.kinematics.jacobian(axes);
-        let rotation = settings
-            .kinematics
-            .forward(axes)
-            .rotation
-            .to_rotation_matrix()
-            .into_inner();
         let normal = Vector3::z();
         // Velocity of the tcp along the normal over the twist of a frame at s.
-        let at_tcp = join(normal, lever.cross(&normal));
+        let at_tcp = join(normal, Vector3::from(controller.tcp_in_s_m).cross(&normal));
         let tcp_per_axis = jacobian.tr_mul(&at_tcp);
         let axes_per_tcp = jacobian
             .lu()
             .solve(&join(normal, Vector3::zeros()))
             .unwrap_or_default();
 
-        let links = Matrix6::from_diagonal(&servo.link_inertia_kg_m2.into());
+        let links = link_inertia(controller);
         let gear = Axes::from_fn(|i, _| {
             let w = TAU * gears.frequency_hz[i] * scale;
             links[(i, i)] * w * w
         });
-        let sensor = join(
-            Vector3::repeat(1.0 / controller.compliance_m_per_n),
-            Vector3::repeat(1.0 / controller.compliance_rad_per_nm),
+        let compliance = join(
+            Vector3::repeat(controller.compliance_m_per_n),
+            Vector3::repeat(controller.compliance_rad_per_nm),
         );
-        let centre = rotation * Vector3::from(tool.centre_of_mass_in_s_m);
-        let inertia =
-            rotation * Matrix3::from_diagonal(&tool.tool_inertia_kg_m2.into()) * rotation.transpose();
-        let sensor = Matrix6::from_diagonal(&sensor);
-        let contact = at_tcp * at_tcp.transpose() * (PINNED / settings.normal_compliance(lever));
+        let pinned = PINNED / compliance.dot(&at_tcp.component_mul(&at_tcp));
+        let sensor = Matrix6::from_diagonal(&compliance.map(|c| 1.0 / c));
+        let centre = Vector3::from(tool.centre_of_mass_in_s_m);
+        let inertia = Matrix3::from_diagonal(&tool.tool_inertia_kg_m2.into());
 
         let mut mass = SMatrix::<f64, DOFS, DOFS>::zeros();
         mass.fixed_view_mut::<6, 6>(0, 0).copy_from(&links);
@@ -101,49 +95,73 @@ impl Flexibility {
             .copy_from(&-on_links.transpose());
         stiffness
             .fixed_view_mut::<6, 6>(6, 6)
-            .copy_from(&(sensor + contact));
+            .copy_from(&(sensor + at_tcp * at_tcp.transpose() * pinned));
 
-        let pushed = gear.component_mul(&axes_per_tcp);
-        let pull_of_link =
-            tcp_per_axis.zip_zip_map(&gear, &Axes::from(servo.motor_inertia_kg_m2), |g, k, m| g * k / m);
         let mut seen = SVector::<f64, DOFS>::zeros();
         seen.fixed_rows_mut::<6>(0).copy_from(&-tcp_per_axis);
         seen.fixed_rows_mut::<6>(6).copy_from(&at_tcp);
+        let motors = Axes::from(servo.motor_inertia_kg_m2);
+        let per_motor = gear.component_div(&motors);
 
-        let mut all = [Mode::default(); DOFS];
-        if let Some((frequencies, shapes)) = modes(&mass, &stiffness) {
-            for (mode, (square, shape)) in all.iter_mut().zip(frequencies.iter().zip(shapes.column_iter())) {
-                let link = shape.fixed_rows::<6>(0);
-                let way = link.dot(&pushed) / square;
-                *mode = Mode {
-                    frequency: libm::sqrt(*square),
-                    share: way * seen.dot(&shape),
-                    pull: way * link.dot(&pull_of_link),
-                };
-            }
+        // What a metre along the normal adds to the deflection by each mode, the largest first.
+        let (squares, shapes) = modes(&mass, &stiffness).unwrap_or_default();
+        let push = |i: usize| shapes.fixed_view::<6, 1>(0, i).component_mul(&gear);
+        let output = |i: usize| seen.dot(&shapes.column(i));
+        let share = |i: usize| output(i) * push(i).dot(&axes_per_tcp) / squares[i];
+        let mut order: [usize; DOFS] = std::array::from_fn(|i| i);
+        order.sort_unstable_by(|&a, &b| share(b).abs().total_cmp(&share(a).abs()));
+        let (kept, others) = order.split_at_mut(MODES);
+        kept.sort_unstable();
+        let force = |i: usize| -PINNED * at_tcp.dot(&shapes.fixed_view::<6, 1>(6, i));
+        let (mut rigid, mut rigid_force) = (Axes::zeros(), Axes::zeros());
+        let mut gears_held = Matrix6::from_diagonal(&per_motor);
+        for &i in others.iter() {
+            rigid += push(i) * (output(i) / squares[i]);
+            rigid_force += push(i) * (force(i) / squares[i]);
+            let pulls = shapes.fixed_view::<6, 1>(0, i).component_mul(&per_motor);
+            gears_held -= pulls * push(i).transpose() / squares[i];
         }
-        all.sort_unstable_by(|a, b| b.share.abs().total_cmp(&a.share.abs()));
-        let mut kept = [Mode::default(); MODES];
-        let (counting, others) = all.split_at(MODES);
-        kept.copy_from_slice(counting);
-        kept.sort_unstable_by(|a, b| a.frequency.total_cmp(&b.frequency));
         Self {
-            modes: kept,
+            modes: std::array::from_fn(|slot| {
+                let i = kept[slot];
+                Mode {
+                    frequency: libm::sqrt(squares[i]),
+                    push: push(i) * output(i),
+                    pull: shapes.fixed_view::<6, 1>(0, i).component_mul(&per_motor) / output(i),
+                    force: force(i) / output(i),
+                }
+            }),
             damping: gears.damping_ratio,
-            rigid_share: others.iter().map(|mode| mode.share).sum(),
-            pull: pull_of_link.dot(&axes_per_tcp) - others.iter().map(|mode| mode.pull).sum::<f64>(),
-            feed_forward: (0..6)
-                .map(|i| tcp_per_axis[i] * axes_per_tcp[i] * links[(i, i)] / servo.motor_inertia_kg_m2[i])
-                .sum(),
+            rigid,
+            rigid_force,
+            gears: gears_held,
+            feed_forward: axes_per_tcp
+                .component_mul(&links.diagonal())
+                .component_div(&motors),
             tcp_per_axis,
             axes_per_tcp,
         }
     }
 
-    /// What the deflection is at rest per way of the motors.
-    pub fn share(&self) -> f64 {
-        self.modes.iter().map(|mode| mode.share).sum::<f64>() + self.rigid_share
+    /// What each mode adds to the deflection at rest per metre of the motors along the normal.
+    pub fn shares(&self) -> [f64; MODES] {
+        self.modes
+            .each_ref()
+            .map(|mode| mode.push.dot(&self.axes_per_tcp) / (mode.frequency * mode.frequency))
     }
+}
+
+/// The inertia matrix of the links in the coordinates of the axes, kg m^2.
+fn link_inertia(controller: &scenario::Controller) -> Matrix6<f64> {
+    let mut inertia = Matrix6::from_diagonal(&controller.servo.link_inertia_kg_m2.into());
+    let mut couplings = controller.gears.link_coupling_kg_m2.into_iter();
+    for i in 0..6 {
+        for j in i + 1..6 {
+            let coupling = couplings.next().unwrap_or_default();
+            (inertia[(i, j)], inertia[(j, i)]) = (coupling, coupling);
+        }
+    }
+    inertia
 }
 
 /// The tool's mass matrix for twists of a frame at s, with its centre of mass at `centre` (m) from there.
@@ -159,7 +177,7 @@ fn tool_inertia(mass: f64, centre: &Vector3<f64>, inertia: &Matrix3<f64>) -> Mat
     matrix
 }
 
-/// The squared frequencies (1/s^2) and the shapes, with mass 1, of `M q'' + K q = 0`.
+/// The squared frequencies (1/s^2), the lowest first, and the shapes, with mass 1, of `M q'' + K q = 0`.
 fn modes(
     mass: &SMatrix<f64, DOFS, DOFS>,
     stiffness: &SMatrix<f64, DOFS, DOFS>,
@@ -168,6 +186,9 @@ fn modes(
     let half = factor.solve_lower_triangular(stiffness)?;
     let whole = factor.solve_lower_triangular(&half.transpose())?;
     let eigen = SymmetricEigen::new((whole + whole.transpose()) * 0.5);
-    let shapes = factor.transpose().solve_upper_triangular(&eigen.eigenvectors)?;
-    Some((eigen.eigenvalues, shapes))
+    let mut order: [usize; DOFS] = std::array::from_fn(|i| i);
+    order.sort_unstable_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+    let vectors = SMatrix::from_fn(|i, j| eigen.eigenvectors[(i, order[j])]);
+    let shapes = factor.transpose().solve_upper_triangular(&vectors)?;
+    Some((SVector::from_fn(|i, _| eigen.eigenvalues[order[i]]), shapes))
 }

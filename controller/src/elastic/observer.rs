@@ -1,7 +1,7 @@
 //! Where links, motors and object are, from the motors' way and the sensor's deflection: one hypothesis of the modes.
 
-use super::plant::{ACCELERATION, DEVIATION, DEVIATION_RATE, INTEGRAL};
-use super::plant::{MODAL, POSITION, Plant, SPEED, State};
+use super::MODES;
+use super::plant::{ACCELERATION, DEVIATION, MODAL, POSITION, Plant, RATE, SPEED, State};
 use crate::contact::Waypoint;
 use nalgebra::{SMatrix, SVector};
 use node::scenario;
@@ -28,72 +28,85 @@ pub struct Reading {
     pub touches: bool,
 }
 
-/// A Kalman filter for modes and object, behind motors whose way is measured, and an observer of the motors' deviation
-/// from their filters.
+/// A Kalman filter for modes and object, and an observer of the motors' deviations from their command filters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observer {
-    /// Coordinates and rates of the modes, and the object's coordinate, m and m/s.
-    estimate: SVector<f64, ESTIMATED>,
+    /// All states, relative to the object.
+    state: State,
+    /// The object's coordinate, m.
+    object: f64,
+    /// Of modes and object, as coordinates that do not move with the object.
     covariance: SMatrix<f64, ESTIMATED, ESTIMATED>,
-    /// y, y' and the integral part of the servo.
-    deviation: [f64; 3],
     /// Of all readings so far, the older ones forgotten.
     log_likelihood: f64,
 }
 
 impl Observer {
-    /// At the first contact, with the motors at `motors` (m) and links and tool moving along at `speed` (m/s).
-    pub fn new(plant: &Plant, motors: f64, speed: f64) -> Self {
-        let mut estimate = SVector::zeros();
-        let mut covariance = SMatrix::zeros();
-        for i in (0..MODAL).step_by(2) {
-            estimate[i] = motors;
-            estimate[i + 1] = speed;
-            let rate = MODE_AT_FIRST_M * plant.frequencies[i / 2];
-            covariance[(i, i)] = MODE_AT_FIRST_M * MODE_AT_FIRST_M;
-            covariance[(i + 1, i + 1)] = rate * rate;
-        }
-        estimate[MODAL] = motors;
-        covariance[(MODAL, MODAL)] = OBJECT_AT_FIRST_M * OBJECT_AT_FIRST_M;
-        Self {
-            estimate,
-            covariance,
-            deviation: [0.0; 3],
+    /// At the first contact, with the motors where the command filters are, at `filter`, links and tool moving along.
+    pub fn new(plant: &Plant, filter: &Waypoint) -> Self {
+        let mut observer = Self {
+            state: State::zeros(),
+            object: filter.position,
+            covariance: SMatrix::zeros(),
             log_likelihood: 0.0,
+        };
+        for i in 0..MODES {
+            let (at, rate) = (2 * i, 2 * i + 1);
+            observer.state[rate] = plant.rest[at] * filter.rate;
+            let swing = MODE_AT_FIRST_M * plant.rest[at];
+            let speed = swing * plant.frequencies[i];
+            observer.covariance[(at, at)] = swing * swing;
+            observer.covariance[(rate, rate)] = speed * speed;
         }
+        observer.covariance[(MODAL, MODAL)] = OBJECT_AT_FIRST_M * OBJECT_AT_FIRST_M;
+        observer.place(filter);
+        observer
     }
 
-    /// One tick on, in which the motors moved from `before` (m) to where `reading` says; `filter` is where their command
-    /// filters are.
+    /// One tick on, to where `reading` says and the command filters are at `filter`.
     pub fn take(
         &mut self,
         plant: &Plant,
         parameters: &scenario::ElasticLaw,
-        before: f64,
         reading: &Reading,
         filter: &Waypoint,
     ) {
-        self.follow_motors(plant, reading.motors, filter);
-        let modal = self.modal();
-        let modal = plant.modal * modal + plant.held * before + plant.ramped * (reading.motors - before);
-        self.estimate.fixed_rows_mut::<MODAL>(0).copy_from(&modal);
+        self.state = plant.tick * self.state;
+        self.place(filter);
         self.spread(plant, parameters);
-        if !reading.touches {
-            return;
+
+        let yielded: f64 = (0..6)
+            .map(|axis| plant.tcp_per_axis[axis] * self.state[DEVIATION + axis])
+            .sum();
+        let error = reading.motors - filter.position - yielded;
+        for axis in 0..6 {
+            let missed = plant.axes_per_tcp[axis] * error;
+            self.state[DEVIATION + axis] += MOTOR_GAINS[0] * missed;
+            self.state[RATE + axis] += MOTOR_GAINS[1] * missed / TICK_S;
         }
-        let object = self.object();
+        if reading.touches {
+            self.correct(plant, parameters.deflection_noise_m, reading.deflection);
+            self.place(filter);
+        }
+    }
+
+    /// Kalman's correction by the deflection that is measured, m.
+    fn correct(&mut self, plant: &Plant, noise: f64, deflection: f64) {
         let mut seen = SVector::<f64, ESTIMATED>::zeros();
-        seen.fixed_rows_mut::<MODAL>(0).copy_from(&plant.seen.transpose());
+        for i in 0..MODES {
+            seen[2 * i] = 1.0;
+        }
         seen[MODAL] = -plant.share();
-        let expected = (plant.seen * modal)[0] + plant.rigid_share * reading.motors - plant.share() * object;
-        let error = reading.deflection - expected;
+        let error = deflection - (plant.seen * self.state)[0];
         let shared = self.covariance * seen;
-        let noise = parameters.deflection_noise_m;
         let variance = seen.dot(&shared) + noise * noise;
-        self.estimate += shared * (error / variance);
+        let correction = shared * (error / variance);
         self.covariance -= shared * shared.transpose() / variance;
-        let likelihood = -0.5 * (error * error / variance + libm::log(variance / (noise * noise)));
-        self.log_likelihood = parameters.likelihood_memory * self.log_likelihood + likelihood;
+        self.object += correction[MODAL];
+        for i in 0..MODAL {
+            self.state[i] += correction[i] - plant.rest[i] * correction[MODAL];
+        }
+        self.log_likelihood -= 0.5 * (error * error / variance + libm::log(variance / (noise * noise)));
     }
 
     /// Covariance over a tick.
@@ -101,62 +114,40 @@ impl Observer {
         let mut transition = SMatrix::<f64, ESTIMATED, ESTIMATED>::identity();
         transition
             .fixed_view_mut::<MODAL, MODAL>(0, 0)
-            .copy_from(&plant.modal);
+            .copy_from(&plant.tick.fixed_view::<MODAL, MODAL>(0, 0));
         self.covariance = transition * self.covariance * transition.transpose();
-        let unknown = parameters.unknown_acceleration_m_per_s2 * TICK_S;
-        for i in (1..MODAL).step_by(2) {
-            self.covariance[(i, i)] += unknown * unknown;
+        self.log_likelihood *= parameters.likelihood_memory;
+        for i in 0..MODES {
+            let unknown = parameters.unknown_acceleration_m_per_s2 * TICK_S * plant.rest[2 * i];
+            self.covariance[(2 * i + 1, 2 * i + 1)] += unknown * unknown;
         }
         self.covariance[(MODAL, MODAL)] += OBJECT_WANDERS_M * OBJECT_WANDERS_M;
     }
 
-    /// The motors' deviation over a tick, as the servo and the gears move it, corrected by what is measured.
-    fn follow_motors(&mut self, plant: &Plant, motors: f64, filter: &Waypoint) {
-        let ahead = plant.tick * self.state(&before(filter));
-        let error = motors - filter.position - ahead[DEVIATION];
-        self.deviation = [
-            ahead[DEVIATION] + MOTOR_GAINS[0] * error,
-            ahead[DEVIATION_RATE] + MOTOR_GAINS[1] * error / TICK_S,
-            ahead[INTEGRAL],
-        ];
+    /// The command filters' part of the state.
+    fn place(&mut self, filter: &Waypoint) {
+        place(&mut self.state, filter, self.object);
     }
 
-    /// All states of the plant, relative to the object, with the command filter at `filter`.
-    pub fn state(&self, filter: &Waypoint) -> State {
-        let mut state = State::zeros();
-        let object = self.object();
-        state.fixed_rows_mut::<MODAL>(0).copy_from(&self.modal());
-        for i in (0..MODAL).step_by(2) {
-            state[i] -= object;
-        }
-        [state[DEVIATION], state[DEVIATION_RATE], state[INTEGRAL]] = self.deviation;
-        state[POSITION] = filter.position - object;
-        state[SPEED] = filter.rate;
-        state[ACCELERATION] = filter.change;
-        state
+    /// All states of the plant, relative to the object.
+    pub fn state(&self) -> State {
+        self.state
     }
 
     /// Where the object is, m.
     pub fn object(&self) -> f64 {
-        self.estimate[MODAL]
+        self.object
     }
 
     /// How well the readings agree with this hypothesis.
     pub fn log_likelihood(&self) -> f64 {
         self.log_likelihood
     }
-
-    fn modal(&self) -> SVector<f64, MODAL> {
-        self.estimate.fixed_rows::<MODAL>(0).into_owned()
-    }
 }
 
-/// Where a command filter was a tick before, with the acceleration held.
-fn before(filter: &Waypoint) -> Waypoint {
-    let rate = filter.rate - filter.change * TICK_S;
-    Waypoint {
-        position: filter.position - (rate + 0.5 * filter.change * TICK_S) * TICK_S,
-        rate,
-        change: filter.change,
-    }
+/// The command filters' part of a `state` relative to the `object` (m).
+pub fn place(state: &mut State, filter: &Waypoint, object: f64) {
+    state[POSITION] = filter.position - object;
+    state[SPEED] = filter.rate;
+    state[ACCELERATION] = filter.change;
 }

@@ -6,25 +6,26 @@ use super::regulator;
 use nalgebra::{RowSVector, SMatrix, SVector};
 use node::scenario;
 use spatial::TICK_S;
+use spatial::kinematics::Axes;
 use std::f64::consts::TAU;
 
 /// Coordinates and rates of the modes, m and m/s in turn.
 pub const MODAL: usize = 2 * MODES;
-/// All states: modes, deviation of the motors, command filters.
-pub const STATES: usize = MODAL + 6;
-
-/// Place of the motors' deviation from their command filters, m.
+/// Place of the motors' deviations from their command filters, rad; rates (rad/s) and the accelerations that the servos'
+/// integral parts cause (rad/s^2) follow.
 pub const DEVIATION: usize = MODAL;
-/// Of its rate, m/s.
-pub const DEVIATION_RATE: usize = MODAL + 1;
-/// Of the acceleration that the servos' integral parts cause, m/s^2.
-pub const INTEGRAL: usize = MODAL + 2;
-/// Of the command filters' position, m.
-pub const POSITION: usize = MODAL + 3;
+/// Place of their rates.
+pub const RATE: usize = DEVIATION + 6;
+/// Place of what the integral parts cause.
+pub const INTEGRAL: usize = RATE + 6;
+/// Place of the command filters' position along the normal, m.
+pub const POSITION: usize = INTEGRAL + 6;
 /// Of their speed, m/s.
-pub const SPEED: usize = MODAL + 4;
+pub const SPEED: usize = POSITION + 1;
 /// Of their acceleration, m/s^2.
-pub const ACCELERATION: usize = MODAL + 5;
+pub const ACCELERATION: usize = SPEED + 1;
+/// All states: modes, deviations of the motors, command filters.
+pub const STATES: usize = ACCELERATION + 1;
 
 /// All states of the plant, relative to the object.
 pub type State = SVector<f64, STATES>;
@@ -34,73 +35,89 @@ pub type State = SVector<f64, STATES>;
 pub struct Plant {
     /// Of the modes, rad/s.
     pub frequencies: [f64; MODES],
-    /// Transition of the modes over a tick.
-    pub modal: SMatrix<f64, MODAL, MODAL>,
-    /// What the motors' way at its beginning adds.
-    pub held: SVector<f64, MODAL>,
-    /// What its change, linear over the tick, adds.
-    pub ramped: SVector<f64, MODAL>,
-    /// Transition of all states over a tick, with the filter's acceleration held.
+    /// Transition over a tick, with the filters' acceleration held.
     pub tick: SMatrix<f64, STATES, STATES>,
     /// The same over a period.
     pub period: SMatrix<f64, STATES, STATES>,
-    /// What a change of the filter's acceleration, linear over the period, adds.
+    /// What a change of the filters' acceleration, linear over the period, adds.
     pub input: State,
-    /// The deflection that the modes show.
-    pub seen: RowSVector<f64, MODAL>,
-    /// What the motors' way adds to it.
-    pub rigid_share: f64,
+    /// The deflection, m.
+    pub seen: RowSVector<f64, STATES>,
     /// Feedback of the states to that change, m/s^2.
     pub gain: RowSVector<f64, STATES>,
     /// The state at rest for each metre of the motors beyond the object.
     pub rest: State,
+    /// What the tcp moves along the normal per way of each axis, m/rad.
+    pub tcp_per_axis: Axes,
+    /// How the axes move the tcp along the normal, rad/m.
+    pub axes_per_tcp: Axes,
 }
 
 impl Plant {
     /// `flexibility` behind the assumed servos, with a period of `ticks`; a change of the acceleration by 1 m/s^2 costs
-    /// as much as a deflection of `effort` (s^2, m per m/s^2).
+    /// as much as a deflection of `effort` (s^2, m per m/s^2). `None` if that can't be regulated.
     ///
-    /// With y the motors' deviation from their filters (`disturbance.rs`), pulled back by the gears:
-    /// `y'' = -w_v (y' + k y) - w_v / T_i integral(y' + k y) + alpha a - pull`.
+    /// With y the deviation of a motor from its command filter (`disturbance.rs`):
+    /// `y'' = -w_v (y' + k y) - w_v / T_i integral(y' + k y) + m_l / m_m a - pull of the gear / m_m`.
     pub fn new(
         flexibility: &Flexibility,
         servo: &scenario::AssumedServo,
         ticks: i64,
-        effort: f64,
+        parameters: &scenario::ElasticLaw,
     ) -> Option<Self> {
+        let Flexibility {
+            modes, axes_per_tcp, ..
+        } = flexibility;
         let mut rates = SMatrix::<f64, STATES, STATES>::zeros();
-        let mut seen = RowSVector::<f64, MODAL>::zeros();
+        let mut seen = RowSVector::<f64, STATES>::zeros();
+        let mut force = RowSVector::<f64, STATES>::zeros();
         let mut rest = State::zeros();
+        for (i, mode) in modes.iter().enumerate() {
+            let (at, rate, square) = (2 * i, 2 * i + 1, mode.frequency * mode.frequency);
+            rates[(at, rate)] = 1.0;
+            rates[(rate, at)] = -square;
+            rates[(rate, rate)] = -2.0 * flexibility.damping * mode.frequency;
+            rates[(rate, POSITION)] = mode.push.dot(axes_per_tcp);
+            seen[at] = 1.0;
+            force[at] = mode.force;
+            rest[at] = rates[(rate, POSITION)] / square;
+            for axis in 0..6 {
+                rates[(rate, DEVIATION + axis)] = mode.push[axis];
+                rates[(RATE + axis, at)] = mode.pull[axis];
+            }
+        }
         let velocity_gain = TAU * servo.velocity_bandwidth_hz;
         let (k, integral) = (
             servo.position_gain_per_s,
             velocity_gain / servo.velocity_integral_time_s,
         );
-        let mut pulled = flexibility.pull;
-        for (i, mode) in flexibility.modes.iter().enumerate() {
-            let (at, rate, square) = (2 * i, 2 * i + 1, mode.frequency * mode.frequency);
-            rates[(at, rate)] = 1.0;
-            rates[(rate, at)] = -square;
-            rates[(rate, rate)] = -2.0 * flexibility.damping * mode.frequency;
-            rates[(rate, POSITION)] = square;
-            rates[(rate, DEVIATION)] = square;
-            rates[(DEVIATION_RATE, at)] = mode.pull;
-            seen[at] = mode.share;
-            rest[at] = 1.0;
-            pulled -= mode.pull;
+        let pulled = flexibility.gears * axes_per_tcp;
+        for axis in 0..6 {
+            let (y, rate, part) = (DEVIATION + axis, RATE + axis, INTEGRAL + axis);
+            rates[(y, rate)] = 1.0;
+            rates[(rate, y)] = -velocity_gain * k;
+            rates[(rate, rate)] = -velocity_gain;
+            rates[(rate, part)] = 1.0;
+            rates[(rate, POSITION)] = -pulled[axis];
+            rates[(rate, ACCELERATION)] = flexibility.feed_forward[axis];
+            for other in 0..6 {
+                rates[(rate, DEVIATION + other)] -= flexibility.gears[(axis, other)];
+            }
+            rates[(part, y)] = -integral * k;
+            rates[(part, rate)] = -integral;
+            seen[y] = flexibility.rigid[axis];
+            force[y] = flexibility.rigid_force[axis];
+            let held: f64 = (0..MODES).map(|i| modes[i].pull[axis] * rest[2 * i]).sum();
+            rest[part] = pulled[axis] - held;
         }
-        rates[(DEVIATION, DEVIATION_RATE)] = 1.0;
-        rates[(DEVIATION_RATE, DEVIATION)] = -velocity_gain * k - flexibility.pull;
-        rates[(DEVIATION_RATE, DEVIATION_RATE)] = -velocity_gain;
-        rates[(DEVIATION_RATE, POSITION)] = -flexibility.pull;
-        rates[(DEVIATION_RATE, INTEGRAL)] = 1.0;
-        rates[(DEVIATION_RATE, ACCELERATION)] = flexibility.feed_forward;
-        rates[(INTEGRAL, DEVIATION)] = -integral * k;
-        rates[(INTEGRAL, DEVIATION_RATE)] = -integral;
         rates[(POSITION, SPEED)] = 1.0;
         rates[(SPEED, ACCELERATION)] = 1.0;
         rest[POSITION] = 1.0;
-        rest[INTEGRAL] = pulled;
+        seen[POSITION] = flexibility.rigid.dot(axes_per_tcp);
+        force[POSITION] = flexibility.rigid_force.dot(axes_per_tcp);
+        if std::env::var("DBG").is_ok() {
+            eprintln!("{} {}", (seen * rest)[0], (force * rest)[0]);
+        }
 
         // Over a period the acceleration changes linearly: an input that is held is its slope.
         let mut slope = State::zeros();
@@ -112,41 +129,27 @@ impl Plant {
             period = tick * period;
         }
         input /= ticks as f64 * TICK_S;
-
-        let motion = rates.fixed_view::<MODAL, MODAL>(0, 0).into_owned();
-        let push = rates.fixed_view::<MODAL, 1>(0, POSITION).into_owned();
-        let (modal, held) = over_a_tick(&motion, &push);
-        // The response to a ramp is the integral of that to a step: one more state carries it.
-        let mut with_ramp = SMatrix::<f64, { MODAL + 1 }, { MODAL + 1 }>::zeros();
-        with_ramp.fixed_view_mut::<MODAL, MODAL>(0, 0).copy_from(&motion);
-        with_ramp.fixed_view_mut::<MODAL, 1>(0, MODAL).copy_from(&push);
-        let mut climbs = SVector::<f64, { MODAL + 1 }>::zeros();
-        climbs[MODAL] = 1.0 / TICK_S;
-        let (_, ramped) = over_a_tick(&with_ramp, &climbs);
-        let ramped = ramped.fixed_rows::<MODAL>(0).into_owned();
-
-        let mut all_seen = RowSVector::<f64, STATES>::zeros();
-        all_seen.fixed_columns_mut::<MODAL>(0).copy_from(&seen);
-        all_seen[POSITION] = flexibility.rigid_share;
-        all_seen[DEVIATION] = flexibility.rigid_share;
         Some(Self {
-            frequencies: flexibility.modes.map(|mode| mode.frequency),
-            modal,
-            held,
-            ramped,
+            frequencies: modes.each_ref().map(|mode| mode.frequency),
             tick,
             period,
             input,
             seen,
-            rigid_share: flexibility.rigid_share,
-            gain: gain(&period, &input, &all_seen, effort)?,
+            gain: gain(
+                &period,
+                &input,
+                &[seen, force * libm::sqrt(parameters.contact_weight)],
+                parameters.effort_s2,
+            )?,
             rest,
+            tcp_per_axis: flexibility.tcp_per_axis,
+            axes_per_tcp: *axes_per_tcp,
         })
     }
 
-    /// What the deflection is at rest per way of the motors.
+    /// What the deflection is at rest per metre of the motors beyond the object.
     pub fn share(&self) -> f64 {
-        self.seen.sum() + self.rigid_share
+        (self.seen * self.rest)[0]
     }
 }
 
@@ -170,22 +173,25 @@ fn over_a_tick<const N: usize>(
 fn gain(
     period: &SMatrix<f64, STATES, STATES>,
     input: &State,
-    seen: &RowSVector<f64, STATES>,
+    outputs: &[RowSVector<f64, STATES>; 2],
     effort: f64,
 ) -> Option<RowSVector<f64, STATES>> {
     const LENGTH: f64 = 1e-5;
     const TIME: f64 = 1e-2;
     let unit = State::from_fn(|i, _| match i {
-        INTEGRAL | ACCELERATION => LENGTH / (TIME * TIME),
-        SPEED | DEVIATION_RATE => LENGTH / TIME,
-        _ if i < MODAL && i % 2 == 1 => LENGTH / TIME,
-        _ => LENGTH,
+        ..MODAL if i % 2 == 0 => LENGTH,
+        ..MODAL | SPEED | RATE..INTEGRAL => LENGTH / TIME,
+        DEVIATION..RATE | POSITION => LENGTH,
+        _ => LENGTH / (TIME * TIME),
     });
     let transition = SMatrix::<f64, STATES, STATES>::from_fn(|i, j| period[(i, j)] * unit[j] / unit[i]);
     let scaled = input.component_div(&unit);
-    let output = seen.component_mul(&unit.transpose()) / LENGTH;
-    // What the deflection does not show is kept from growing.
-    let cost = output.transpose() * output + SMatrix::identity() * 1e-8;
+    // What the outputs do not show is kept from growing.
+    let mut cost = SMatrix::identity() * 1e-8;
+    for output in outputs {
+        let output = output.component_mul(&unit.transpose()) / LENGTH;
+        cost += output.transpose() * output;
+    }
     let effort = effort / LENGTH;
     let gain = regulator::gain(&transition, &scaled, &cost, effort * effort)?;
     Some(gain.component_div(&unit.transpose()))

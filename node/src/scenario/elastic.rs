@@ -7,6 +7,8 @@ schema::section! {
     AssumedGears at "controller.gears" {
         /// Assumed natural frequency of each link on its elastic gear, motor locked.
         frequency_hz: [f64; 6] = [14.0, 14.0, 14.0, 20.0, 20.0, 20.0], in 0.5..=500.0;
+        /// Assumed inertia that couples the links where the task begins: axis 1 with 2 to 6, 2 with 3 to 6, and so on.
+        link_coupling_kg_m2: [f64; 15] = [0.0; 15], in -1e4..=1e4;
         /// Assumed damping ratio of the modes.
         damping_ratio: f64 = 0.02, in 0.0..=1.0;
     }
@@ -18,6 +20,9 @@ schema::section! {
         /// Deflection that costs as much as a change of the acceleration by 1 m/s^2 within a period: the smaller, the
         /// faster.
         effort_s2: f64 = 28e-6, in 1e-7..=1e-1;
+        /// How much a deviation of the contact force costs against one of the sensor's force, which lacks the tool's
+        /// inertia: the more, the less the tool leaves the object.
+        contact_weight: f64 = 0.1, in 0.0..=1e3;
         /// How far the gears' frequency may be from what is assumed, as a share of it: the range of the hypotheses.
         mode_spread: f64 = 0.15, in 0.0..=0.5;
         /// Noise of the deflection at the tcp, rms.
