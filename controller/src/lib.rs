@@ -7,6 +7,7 @@
 //! |---|---|---|
 //! | actual pose and deflection at the same instant | [`pairing`] | below (2) |
 //! | object expected before the contact | [`expectation`], [`approach`] | II-B, IV-C, footnote 3 |
+//! | free motion that leaves nothing swinging | [`shaping`], [`approach`] | VI |
 //! | contact or not | [`detection`] | V |
 //! | between sensor and tcp | [`transform`] | (3)-(12) |
 //! | force controlled or not, per degree of freedom | [`dofs`] | III |
@@ -42,6 +43,7 @@ pub mod object_model;
 pub mod pairing;
 pub mod pd;
 pub mod posture;
+pub mod shaping;
 pub mod tare;
 pub mod tilting;
 pub mod transform;
