@@ -157,7 +157,12 @@ mod tests {
 
     fn along(path: &Approach) -> impl Fn(f64) -> [f64; 3] + '_ {
         |time| {
-            let Point { distance, speed, acceleration, .. } = path.at(time);
+            let Point {
+                distance,
+                speed,
+                acceleration,
+                ..
+            } = path.at(time);
             [distance, speed, acceleration]
         }
     }

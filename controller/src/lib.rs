@@ -279,7 +279,7 @@ impl Controller {
         let ended = match self.phase {
             ControllerPhase::Approach | ControllerPhase::Contact | ControllerPhase::Settled => {
                 let so_far = motion.approached_for(settings, &self.expectation, tick);
-                so_far > motion.approach_duration()
+                so_far > motion.approach_duration(settings)
             }
             _ => false,
         };

@@ -201,9 +201,9 @@ impl Motion {
         path.lasted_s(tick)
     }
 
-    /// How long the approach lasts at most, s.
-    pub(crate) fn approach_duration(&self) -> f64 {
-        self.path.map_or(0.0, |path| path.duration_s())
+    /// How long the approach lasts at most, until its end has been the next set-point, s.
+    pub(crate) fn approach_duration(&self, settings: &Settings) -> f64 {
+        self.path.map_or(0.0, |path| path.duration_s()) + settings.period_s()
     }
 
     /// Count this cycle as one with the force `inside` its band; how many there were in a row.
@@ -329,8 +329,7 @@ impl Motion {
         let share = if fed_forward {
             tilt.value
         } else {
-            self.dynamics
-                .inverse(tilt.value, tilt.rate, tilt.acceleration)
+            self.dynamics.inverse(tilt.value, tilt.rate, tilt.acceleration)
         };
         let on_path = |tick| self.path.map_or(Point::default(), |path| path.at(settings, tick));
         let (distance, lead) = match self.contact {
@@ -359,7 +358,7 @@ impl Motion {
     /// How far the hanging tcp leads the deflected one at `point` of its way, m and rad.
     fn lead(&self, settings: &Settings, point: &Point) -> Dofs {
         match settings.controller.shaping.profile {
-            Profile::Smooth => self.swing.lead(-point.acceleration, -point.snap),
+            Profile::Smooth => self.swing.lead(-point.acceleration),
             Profile::Trapezoid => Dofs::zeros(),
         }
     }

@@ -23,7 +23,7 @@ use node::scenario;
 use spatial::TICK_S;
 use swing::Swing;
 
-/// Distance and its derivatives along a path: m, m/s, m/s^2, m/s^4.
+/// Distance and its derivatives along a path: m, m/s, m/s^2.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Point {
     /// Distance travelled, m.
@@ -32,8 +32,6 @@ pub struct Point {
     pub speed: f64,
     /// m/s^2.
     pub acceleration: f64,
-    /// The fourth derivative, m/s^4.
-    pub snap: f64,
 }
 
 /// How a change of speed is shaped.
@@ -65,24 +63,21 @@ impl Shape {
 
     /// The shape that leaves the residual swing which is asked for, of what swings as `swing` says.
     ///
-    /// A rectangle of acceleration a leaves the tcp swinging by at most twice what a deflects; of that, the share
-    /// `Self::missed` is what the inversion does not take away.
+    /// A rectangle of acceleration a leaves the tcp swinging by at most twice what a deflects. Of that, the inversion leaves
+    /// what it puts wrong by an error of the modes, its zero lying at w instead of `w (1 + error)`, and (model choice) a
+    /// tenth for each spring between motors and tool, whose dampings it does not know.
     pub fn new(shaping: &scenario::Shaping, swing: &Swing) -> Self {
         let acceleration = shaping.acceleration_m_per_s2;
         match shaping.profile {
             scenario::Profile::Trapezoid => Self::trapezoid(acceleration),
             scenario::Profile::Smooth => {
-                let bare = 2.0 * acceleration * swing.yields_by_s2() * Self::missed(shaping.mode_error);
-                let edge_hz = (1.0 - shaping.mode_error) * swing.lowest_hz();
-                Self::smooth(acceleration, edge_hz, shaping.residual_m / bare)
+                let error = shaping.mode_error;
+                let missed = error * (2.0 + error) + 0.1 * swing.springs();
+                let left_m = 2.0 * acceleration * swing.yields_by_s2() * missed;
+                let edge_hz = (1.0 - error) * swing.lowest_hz();
+                Self::smooth(acceleration, edge_hz, shaping.residual_m / left_m)
             }
         }
-    }
-
-    /// The share of the swing that the inversion leaves where the modes are wrong by the share `error`: a zero at w
-    /// instead of `w (1 + error)`, and a tenth for what the inversion does not know, the dampings above all.
-    fn missed(error: f64) -> f64 {
-        error * (2.0 + error) + 0.1
     }
 
     /// How long a window the change of speed is averaged over, s: what a change takes more than a trapezoid's.
@@ -124,7 +119,6 @@ impl Shape {
             distance: before * time + slope * (begun.twice - ended.twice),
             speed: before + slope * (begun.once - ended.once),
             acceleration: slope * (begun.value - ended.value),
-            snap: slope * (begun.curvature - ended.curvature),
         }
     }
 }

@@ -81,7 +81,11 @@ pub fn measure(
     scenario.controller.shaping.profile = profile;
     let duration_of = |shape| Approach::new(shape, way.length_m, way.speed_m_per_s).duration();
     let shaping = &scenario.controller.shaping;
-    let swing = Swing::new(&scenario.controller, &scenario.robot.kinematics(), &scenario.start_axes()?);
+    let swing = Swing::new(
+        &scenario.controller,
+        &scenario.robot.kinematics(),
+        &scenario.start_axes()?,
+    );
     let shape = Shape::new(shaping, &swing);
     let path = Approach::new(shape, way.length_m, way.speed_m_per_s);
     let trapezoid_s = duration_of(Shape::trapezoid(shaping.acceleration_m_per_s2));

