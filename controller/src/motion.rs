@@ -161,8 +161,10 @@ impl Motion {
         }
         if approaching && self.contact.is_none() && sensed.normal_force_n > self.detector.threshold_n() {
             let reached = tick + settings.lead() * settings.period_ticks;
-            let distance_m = self.path.map_or(0.0, |path| path.at(settings, reached).distance);
-            self.contact = Some(Contact::new(sample.tick, tick, distance_m));
+            let met = self
+                .path
+                .map_or(Point::default(), |path| path.at(settings, reached));
+            self.contact = Some(Contact::new(sample.tick, tick, met));
             if let Some(impact) = &mut self.impact {
                 impact.contact();
             }
@@ -331,15 +333,13 @@ impl Motion {
         } else {
             self.dynamics.inverse(tilt.value, tilt.rate, tilt.acceleration)
         };
-        let on_path = |tick| self.path.map_or(Point::default(), |path| path.at(settings, tick));
         let (distance, lead) = match self.contact {
             // What the tool was led by then fades away.
-            Some(contact) if settings.task.kind == TaskKind::Press => {
-                let met = on_path(contact.cycle_tick + settings.lead() * settings.period_ticks);
-                (contact.distance_m, self.lead(settings, &met) * (1.0 - tilt.value))
+            Some(Contact { met, .. }) if settings.task.kind == TaskKind::Press => {
+                (met.distance, self.lead(settings, &met) * (1.0 - tilt.value))
             }
             _ => {
-                let point = on_path(tick);
+                let point = self.path.map_or(Point::default(), |path| path.at(settings, tick));
                 (point.distance, self.lead(settings, &point))
             }
         };

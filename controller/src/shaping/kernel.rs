@@ -172,6 +172,8 @@ mod tests {
             let h = 1e-5;
             let (before, now, after) = (kernel.moments(time - h), kernel.moments(time), kernel.moments(time + h));
             prop_assert!(((after.twice - before.twice) / (2.0 * h) - now.once).abs() < 1e-8);
+            // Where the window ends, so does its smoothness.
+            prop_assume!((share - 1.0).abs() > 1e-3);
             prop_assert!(((after.once - before.once) / (2.0 * h) - now.value).abs() < 1e-6);
         }
     }
