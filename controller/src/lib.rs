@@ -16,6 +16,7 @@
 //! | task description, sample by sample | [`literal`] | (2) |
 //! | object measured once, then refined and extrapolated | [`object_model`], [`fading_memory`] | (2), (12) |
 //! | impedance as the task | [`impedance`] | II |
+//! | the object behind elastic gears | [`elastic`] | VI |
 //! | feed-forward of the position control | [`command_dynamics`] | Fig. 2, II-B |
 //! | desired force as a disturbance of the position control | [`disturbance`] | II-B |
 //! | posture that keeps the tool's orientation | [`posture`] | (9)-(11), Fig. 5 |
@@ -33,6 +34,7 @@ pub mod detection;
 pub mod disturbance;
 pub mod dofs;
 pub mod drift;
+pub mod elastic;
 pub mod expectation;
 pub mod fading_memory;
 pub mod impact;
@@ -115,6 +117,12 @@ impl Settings {
     /// Periods from a cycle to the instant at which its first set-point is reached.
     fn lead(&self) -> i64 {
         self.controller.command_delay_periods + 1
+    }
+
+    /// Assumed compliance along the normal of a tcp at `lever` (m, in r) from the sensor frame, m/N.
+    fn normal_compliance(&self, lever: &Vector3<f64>) -> f64 {
+        let across = lever.cross(&Vector3::z()).norm_squared();
+        self.controller.compliance_m_per_n + self.controller.compliance_rad_per_nm * across
     }
 
     /// T, s.

@@ -13,6 +13,7 @@ mod adaptation;
 mod check;
 mod choice;
 mod controller;
+mod elastic;
 mod error;
 mod estimate;
 mod hash;
@@ -34,11 +35,12 @@ pub use choice::{
     ToolShape, Transform,
 };
 pub use controller::{AssumedServo, Controller, Expected, Impact, Impedance, Pd, Proposed};
+pub use elastic::{AssumedGears, ElasticLaw};
 pub use error::ScenarioError;
 pub use object_sensor::ObjectSensor;
 pub use robot::Drives;
 pub use schema::{Allowed, Key};
-pub use shaping::{AssumedGears, Shaping};
+pub use shaping::Shaping;
 pub use spatial::ports::Law;
 pub use task::{ForceControlled, Task};
 

@@ -1,7 +1,7 @@
-//! The sections `[controller.shaping]` and `[controller.gears]`: how the free motion is shaped, and for which gears.
+//! The section `[controller.shaping]`: how the free motion is shaped.
 
 use super::check::{Conflicts, short};
-use super::{Gears, Profile, Scenario, schema};
+use super::{Profile, Scenario, schema};
 use spatial::kinematics::join;
 
 schema::section! {
@@ -15,16 +15,6 @@ schema::section! {
         residual_m: f64 = 1e-6, in 1e-9..=1e-3;
         /// How wrong the assumed frequencies of tool and gears may be, as a share of them.
         mode_error: f64 = 0.1, in 0.0..=0.5;
-    }
-}
-
-schema::section! {
-    /// What the controller assumes of the gears; the links behind them are those of `[controller.servo]`.
-    AssumedGears at "controller.gears" {
-        /// What is assumed to join motor and link.
-        kind: Gears = Gears::Rigid;
-        /// Assumed natural frequency of each link on its elastic gear, motor locked.
-        frequency_hz: [f64; 6] = [14.0, 14.0, 14.0, 20.0, 20.0, 20.0], in 0.5..=500.0;
     }
 }
 
