@@ -9,14 +9,16 @@ touchdown := target/release/touchdown
 
 all_laws := pd,pd-reset,literal,proposed,impedance,ros2,fzi
 tuned := experiment/tuned.toml
+# eq. (2) at each sample has nothing to tune.
+tuned_laws := pd,pd-reset,proposed,impedance,ros2,fzi
 
 # Default and tuned rows, all laws.
-both := --laws $(all_laws) --gains default,tuned
+both := --gains default,tuned --laws $(all_laws)
 
-.PHONY: help demo laws tune maps test bits bench doctor check format lint doc clean
+.PHONY: help demo laws tune maps free-motion test bits bench doctor check format lint doc clean
 
 help: ## list the targets (default)
-	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile | expand -t 10
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 13
 
 demo: ## the paper's experiment with both laws, as three processes over LCM: table, figure, data in target/demo
 	@$(build)
@@ -24,22 +26,31 @@ demo: ## the paper's experiment with both laws, as three processes over LCM: tab
 
 laws: ## every law on every robot over contact phases and seeds: docs/laws.txt
 	@$(build)
-	@{ $(touchdown) compare paper $(both) && \
-	   $(touchdown) compare arm --kinematics arm $(both) && \
-	   $(touchdown) compare elastic --robots elastic --kinematics gantry,arm $(both); } >target/laws.txt
+	@{ $(touchdown) compare paper $(both) && $(touchdown) compare arm $(both) && \
+	   $(touchdown) compare elastic $(both),elastic && $(touchdown) compare elastic_arm $(both),elastic; } \
+	   >target/laws.txt
 	@mv target/laws.txt docs/laws.txt
 	@cat docs/laws.txt
 
 tune: ## tuned gains of every law on every robot: experiment/tuned.toml
 	@$(build)
-	@$(touchdown) tune paper --out $(tuned)
-	@$(touchdown) tune arm --out $(tuned)
-	@$(touchdown) tune elastic --kinematics gantry,arm --out $(tuned)
+	@$(touchdown) tune paper --laws $(tuned_laws) --out $(tuned)
+	@$(touchdown) tune arm --laws $(tuned_laws) --out $(tuned)
+	@$(touchdown) tune elastic --laws $(tuned_laws),elastic --out $(tuned)
+	@$(touchdown) tune elastic_arm --laws $(tuned_laws),elastic --out $(tuned)
 
 maps: ## every law over contact, delay, robot, gears and period, thousands of runs: docs/map-*.svg, data in target/sweep
 	@$(build)
 	@$(touchdown) sweep shootout --out target/sweep/shootout
 	@for map in target/sweep/shootout/*.svg; do cp $$map docs/map-$${map##*/}; done
+
+free-motion: ## what free motion leaves swinging, shaped and not, on every robot: docs/free-motion.txt
+	@$(build)
+	@{ $(touchdown) free-motion paper && $(touchdown) free-motion elastic && $(touchdown) free-motion arm && \
+	   $(touchdown) free-motion arm --set robot.gears=elastic --set controller.gears.kind=elastic; } \
+	   >target/free-motion.txt
+	@mv target/free-motion.txt docs/free-motion.txt
+	@cat docs/free-motion.txt
 
 test: ## all tests
 	@./setup.sh test cargo test --workspace --locked

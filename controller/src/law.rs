@@ -1,7 +1,8 @@
 //! The force laws behind one interface, for one degree of freedom each.
 
-use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch};
+use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch, Waypoint};
 use crate::dofs::{Dofs, NORMAL, Selection};
+use crate::elastic::Elastic;
 use crate::fzi::Fzi;
 use crate::impedance::Impedance;
 use crate::literal::Literal;
@@ -13,7 +14,11 @@ use node::scenario;
 use spatial::ports::Law;
 
 /// A law that moves the tcp along one degree of freedom, from the first contact on. Chosen in the configuration.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there are six per controller, and they are not moved"
+)]
 pub enum DofLaw {
     /// Eq. (1).
     Pd(Pd),
@@ -23,6 +28,8 @@ pub enum DofLaw {
     Proposed(ObjectModel),
     /// The object model, approached as a mass with damper and spring.
     Impedance(Impedance),
+    /// The object model behind elastic gears, along the normal.
+    Elastic(Elastic),
     /// That of ROS 2's admittance controller.
     Ros2(Ros2),
     /// That of FZI's cartesian force controller.
@@ -30,26 +37,25 @@ pub enum DofLaw {
 }
 
 impl DofLaw {
-    /// The configured law for the degree of freedom `dof`. A law that does not exist yet is refused with the
-    /// configuration and never comes here.
+    /// The configured law for the degree of freedom `dof`.
     pub fn new(controller: &scenario::Controller, dof: usize) -> Self {
         let object = || ObjectModel::new(&controller.proposed);
         match controller.law {
             Law::Literal => Self::Literal(Literal::default()),
-            Law::Proposed => Self::Proposed(object()),
+            // Along the normal `ForceControl::new` has the law for elastic gears.
+            Law::Proposed | Law::Elastic => Self::Proposed(object()),
             Law::Impedance => Self::Impedance(Impedance::new(&controller.impedance, dof, object())),
             Law::PdReset => Self::Pd(Pd::new(&controller.pd, dof, true)),
             Law::Ros2 => Self::Ros2(Ros2::new(&controller.ros2, dof)),
             Law::Fzi => Self::Fzi(Fzi::new(&controller.fzi, dof)),
-            // Those that do not exist yet are refused with the scenario.
-            Law::Pd | Law::Elastic => Self::Pd(Pd::new(&controller.pd, dof, false)),
+            Law::Pd => Self::Pd(Pd::new(&controller.pd, dof, false)),
         }
     }
 
     /// The object moves with `rate` (m/s or rad/s) as the contact begins: for a law that predicts it.
     pub fn expect(&mut self, rate: f64) {
         match self {
-            Self::Pd(_) | Self::Literal(_) | Self::Ros2(_) | Self::Fzi(_) => {}
+            Self::Pd(_) | Self::Literal(_) | Self::Elastic(_) | Self::Ros2(_) | Self::Fzi(_) => {}
             Self::Proposed(law) => law.expect(rate),
             Self::Impedance(law) => law.expect(rate),
         }
@@ -62,6 +68,7 @@ impl DofLaw {
             Self::Literal(law) => law.take(sample),
             Self::Proposed(law) => law.take(sample),
             Self::Impedance(law) => law.take(sample),
+            Self::Elastic(law) => law.take(sample),
             Self::Ros2(law) => law.take(sample),
             Self::Fzi(law) => law.take(sample),
         }
@@ -74,6 +81,7 @@ impl DofLaw {
             Self::Literal(law) => [law.set_point(aim, situation.commanded); PREVIEW],
             Self::Proposed(law) => law.desired(aim, situation),
             Self::Impedance(law) => law.desired(aim, situation),
+            Self::Elastic(law) => law.desired(aim, situation),
             Self::Ros2(law) => [law.set_point(aim, situation); PREVIEW],
             Self::Fzi(law) => [law.set_point(aim, situation); PREVIEW],
         }
@@ -86,6 +94,7 @@ impl DofLaw {
             Self::Literal(law) => law.object(),
             Self::Proposed(law) => law.object(),
             Self::Impedance(law) => law.object(),
+            Self::Elastic(law) => law.object(),
             Self::Ros2(law) => law.object(),
             Self::Fzi(law) => law.object(),
         }
@@ -95,7 +104,7 @@ impl DofLaw {
 /// Whether the law says where the robot is to be, which the feed-forward of Fig. 2 turns into set-points, already in
 /// the approach; otherwise its word is the set-point, and the robot lags behind.
 pub fn feeds_forward(law: Law) -> bool {
-    matches!(law, Law::Proposed | Law::Impedance)
+    matches!(law, Law::Proposed | Law::Impedance | Law::Elastic)
 }
 
 /// The law for each force controlled degree of freedom.
@@ -106,11 +115,29 @@ pub struct ForceControl {
 }
 
 impl ForceControl {
-    /// The configured law along the degrees of freedom of `selection`.
-    pub fn new(controller: &scenario::Controller, selection: Selection) -> Self {
-        Self {
-            selection,
-            laws: std::array::from_fn(|dof| DofLaw::new(controller, dof)),
+    /// The configured law along the degrees of freedom of `selection`; along the normal, the one for `elastic` gears, if
+    /// there is any.
+    pub fn new(controller: &scenario::Controller, selection: Selection, elastic: Option<Elastic>) -> Self {
+        let mut laws = std::array::from_fn(|dof| DofLaw::new(controller, dof));
+        if let Some(elastic) = elastic {
+            laws[NORMAL] = DofLaw::Elastic(elastic);
+        }
+        Self { selection, laws }
+    }
+
+    /// The command filters will be at the coordinate `waypoint` along the normal at `time_s` (s), when the next set-point
+    /// begins to act: for a law that predicts the robot.
+    pub fn track(&mut self, time_s: f64, waypoint: impl FnOnce() -> Waypoint) {
+        if let DofLaw::Elastic(law) = &mut self.laws[NORMAL] {
+            law.track(time_s, waypoint());
+        }
+    }
+
+    /// The motion of the command filters along the normal that the last demand asked for, if a law plans it.
+    pub fn motion(&self) -> Option<&[Waypoint; PREVIEW]> {
+        match &self.laws[NORMAL] {
+            DofLaw::Elastic(law) => law.motion(),
+            _ => None,
         }
     }
 

@@ -7,6 +7,7 @@
 //! |---|---|---|
 //! | actual pose and deflection at the same instant | [`pairing`] | below (2) |
 //! | object expected before the contact | [`expectation`], [`approach`] | II-B, IV-C, footnote 3 |
+//! | free motion that leaves nothing swinging | [`shaping`], [`approach`] | VI |
 //! | contact or not | [`detection`] | V |
 //! | between sensor and tcp | [`transform`] | (3)-(12) |
 //! | force controlled or not, per degree of freedom | [`dofs`] | III |
@@ -15,6 +16,7 @@
 //! | task description, sample by sample | [`literal`] | (2) |
 //! | object measured once, then refined and extrapolated | [`object_model`], [`fading_memory`] | (2), (12) |
 //! | impedance as the task | [`impedance`] | II |
+//! | the object behind elastic gears | [`elastic`] | VI |
 //! | peers' laws, for comparison | [`ros2`], [`fzi`] | |
 //! | feed-forward of the position control | [`command_dynamics`] | Fig. 2, II-B |
 //! | desired force as a disturbance of the position control | [`disturbance`] | II-B |
@@ -33,6 +35,7 @@ pub mod detection;
 pub mod disturbance;
 pub mod dofs;
 pub mod drift;
+pub mod elastic;
 pub mod expectation;
 pub mod fading_memory;
 pub mod fzi;
@@ -45,6 +48,7 @@ pub mod pairing;
 pub mod pd;
 pub mod posture;
 pub mod ros2;
+pub mod shaping;
 pub mod tare;
 pub mod tilting;
 pub mod transform;
@@ -61,11 +65,12 @@ use pairing::EncoderHistory;
 use sensing::Sensing;
 use spatial::kinematics::{Axes, Kinematics};
 use spatial::ports::{
-    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, HORIZON, ObjectPose,
-    RobotState,
+    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, HORIZON, Law,
+    ObjectPose, RobotState,
 };
 use spatial::{Compliance, TICK_S, TICK_US, Wrench};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 use tilting::Tilting;
 use transform::deflection_at_tcp;
 
@@ -110,6 +115,8 @@ struct Settings {
     compliance: Compliance,
     d: Vector3<f64>,
     desired: Wrench,
+    /// For the law of that name.
+    elastic: Option<Arc<elastic::Design>>,
 }
 
 impl Settings {
@@ -149,6 +156,9 @@ impl Controller {
                         TaskKind::Position | TaskKind::Calibrate => Vector3::zeros(),
                     },
                 },
+                elastic: (controller.law == Law::Elastic)
+                    .then(|| elastic::Design::new(scenario).map(Arc::new))
+                    .flatten(),
             },
             phase: ControllerPhase::Init,
             fault: Fault::None,
@@ -280,7 +290,7 @@ impl Controller {
         let ended = match self.phase {
             ControllerPhase::Approach | ControllerPhase::Contact | ControllerPhase::Settled => {
                 let so_far = motion.approached_for(settings, &self.expectation, tick);
-                so_far > motion.approach_duration()
+                so_far > motion.approach_duration(settings)
             }
             _ => false,
         };

@@ -8,23 +8,26 @@ mod told;
 pub(crate) use sensed::Sample;
 
 use crate::Settings;
-use crate::approach::{PathPoint, spread};
-use crate::command_dynamics::CommandDynamics;
-use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch};
+use crate::approach::{Share, spread};
+use crate::command_dynamics::{CommandDynamics, Target};
+use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch, Waypoint};
 use crate::detection::Detector;
 use crate::disturbance::Disturbance;
 use crate::dofs::{Dofs, NORMAL, Selection, TaskFrame, TcpCompliance};
+use crate::elastic::Elastic;
 use crate::expectation::Expectation;
 use crate::impact::ImpactMonitor;
 use crate::law::{ForceControl, feeds_forward};
 use crate::posture::Posture;
+use crate::shaping::swing::Swing;
+use crate::shaping::{Point, Shape};
 use nalgebra::Vector3;
-use node::scenario::TaskKind;
+use node::scenario::{Profile, TaskKind};
 use path::{Path, since};
 use plan::{Plan, bound_lead};
 use sensed::{Contact, Sensed};
 use spatial::kinematics::{Axes, Unreachable, join, split};
-use spatial::ports::{HORIZON, SampleFlags};
+use spatial::ports::{HORIZON, Law, SampleFlags};
 use spatial::{Compliance, Deflection, Pose, TICK_S, Wrench};
 use std::f64::consts::TAU;
 
@@ -39,6 +42,9 @@ pub(crate) struct Motion {
     compliance: TcpCompliance,
     /// `C f_d`.
     desired_displacement: Dofs,
+    /// What the tool's acceleration deflects, and how a change of speed takes that into account.
+    swing: Swing,
+    shape: Shape,
     /// The way to the object, once the approach has begun.
     path: Option<Path>,
     dynamics: CommandDynamics,
@@ -86,8 +92,10 @@ impl Motion {
             flags: SampleFlags::default(),
             axes: *start,
         };
+        let swing = Swing::new(controller, &settings.kinematics, start);
         let compliance = tcp_compliance(&settings.compliance, &posture, &r_from_s, &selection);
         let noise_n = noise_m / compliance.along(NORMAL);
+        let elastic = settings.elastic.clone().map(Elastic::new);
         // What the tool's inertia deflects looks like as much more force as the sensor is softer than assumed.
         let softer = if controller.adaptation.enabled {
             controller.adaptation.maximum_ratio
@@ -101,6 +109,8 @@ impl Motion {
             posture,
             compliance,
             desired_displacement: posture.desired_displacement(),
+            swing,
+            shape: Shape::new(&controller.shaping, &swing),
             path: None,
             dynamics: CommandDynamics::new(
                 controller.filter_frequency_hz,
@@ -115,7 +125,7 @@ impl Motion {
                 controller.apparent_mass_kg * softer,
                 controller.detection_fading_s,
             ),
-            force_control: ForceControl::new(controller, selection),
+            force_control: ForceControl::new(controller, selection, elastic),
             impact,
             contact: None,
             newest: Sensed::new(&sample, &r_from_s, &posture, &compliance),
@@ -153,8 +163,10 @@ impl Motion {
         }
         if approaching && self.contact.is_none() && sensed.normal_force_n > self.detector.threshold_n() {
             let reached = tick + settings.lead() * settings.period_ticks;
-            let distance_m = self.path.map_or(0.0, |path| path.at(settings, reached).distance);
-            self.contact = Some(Contact::new(sample.tick, tick, distance_m));
+            let met = self
+                .path
+                .map_or(Point::default(), |path| path.at(settings, reached));
+            self.contact = Some(Contact::new(sample.tick, tick, met));
             if let Some(impact) = &mut self.impact {
                 impact.contact();
             }
@@ -186,16 +198,16 @@ impl Motion {
         tick: i64,
     ) -> f64 {
         let start_m = self.plan.coordinates[0][NORMAL];
-        let impact = self.impact.as_ref();
+        let (shape, impact) = (self.shape, self.impact.as_ref());
         let path = self
             .path
-            .get_or_insert_with(|| Path::new(settings, expectation, impact, start_m, tick));
+            .get_or_insert_with(|| Path::new(settings, expectation, shape, impact, start_m, tick));
         path.lasted_s(tick)
     }
 
-    /// How long the approach lasts at most, s.
-    pub(crate) fn approach_duration(&self) -> f64 {
-        self.path.map_or(0.0, |path| path.duration_s())
+    /// How long the approach lasts at most, until its end has been the next set-point, s.
+    pub(crate) fn approach_duration(&self, settings: &Settings) -> f64 {
+        self.path.map_or(0.0, |path| path.duration_s()) + settings.period_s()
     }
 
     /// Count this cycle as one with the force `inside` its band; how many there were in a row.
@@ -216,6 +228,7 @@ impl Motion {
         let reached: [i64; PREVIEW] =
             std::array::from_fn(|i| tick + (settings.lead() + i as i64) * settings.period_ticks);
         let leads = feeds_forward(settings.controller.law);
+        self.track(settings, reached[0] - settings.period_ticks);
         let mut known = None;
         let mut coordinates =
             reached.map(|tick| self.reference(settings, expectation, tick, leads, &mut known));
@@ -237,14 +250,20 @@ impl Motion {
         let mut set_points = if leads {
             let proposed = &settings.controller.proposed;
             let mut led = axes;
-            if proposed.disturbance_feed_forward && self.contact.is_some() {
+            let models_servo = settings.controller.law == Law::Elastic;
+            if proposed.disturbance_feed_forward && self.contact.is_some() && !models_servo {
                 let torque = self.torque(settings, &axes[0]);
                 let deviations = self.disturbance.preview(&torque, settings.period_ticks);
                 for (axes, deviation) in led.iter_mut().zip(deviations) {
                     *axes -= deviation;
                 }
             }
-            self.dynamics.follow(&led, TAU * proposed.reference_bandwidth_hz)
+            let mut targets = self.dynamics.targets(&led);
+            if let Some(motion) = self.planned(&coordinates) {
+                self.along_normal(settings, motion, &coordinates, &axes[0], &mut targets);
+            }
+            self.dynamics
+                .follow(&targets, TAU * proposed.reference_bandwidth_hz)
         } else {
             std::array::from_fn(|i| axes[i])
         };
@@ -273,6 +292,61 @@ impl Motion {
             commanded,
         };
         Ok((set_points, bound))
+    }
+
+    /// Tell the law where the command filters will be at `tick`, when the next set-point begins to act.
+    fn track(&mut self, settings: &Settings, tick: i64) {
+        let (dynamics, posture, frame) = (&self.dynamics, &self.posture, &self.frame);
+        self.force_control.track(tick as f64 * TICK_S, || {
+            let reached = dynamics.reached();
+            let r_from_s = settings.kinematics.forward(&reached.position);
+            let hanging = posture.hanging_tcp(&r_from_s);
+            let lever = hanging.translation.vector - r_from_s.translation.vector;
+            let jacobian = settings.kinematics.jacobian(&reached.position);
+            let along = |rates: &Axes| {
+                let (linear, angular) = split(&(jacobian * rates));
+                (linear + angular.cross(&lever))[NORMAL]
+            };
+            Waypoint {
+                position: frame.coordinates(&hanging)[NORMAL],
+                rate: along(&reached.velocity),
+                change: along(&reached.acceleration),
+            }
+        });
+    }
+
+    /// The motion along the normal that a law has planned, unless `coordinates` are elsewhere.
+    fn planned(&self, coordinates: &[Dofs; PREVIEW]) -> Option<&[Waypoint; PREVIEW]> {
+        let motion = self.contact.and(self.force_control.motion())?;
+        let same = |(waypoint, all): (&Waypoint, &Dofs)| waypoint.position == all[NORMAL];
+        motion.iter().zip(coordinates).all(same).then_some(motion)
+    }
+
+    /// Give `targets` the rates of the `motion` along the normal instead of those that follow from `coordinates`.
+    fn along_normal(
+        &self,
+        settings: &Settings,
+        motion: &[Waypoint; PREVIEW],
+        coordinates: &[Dofs; PREVIEW],
+        axes: &Axes,
+        targets: &mut [Target; HORIZON],
+    ) {
+        let upwards = join(Vector3::z(), Vector3::zeros());
+        let per_metre = settings
+            .kinematics
+            .jacobian(axes)
+            .lu()
+            .solve(&upwards)
+            .unwrap_or_default();
+        let heights = coordinates.map(|all| Axes::repeat(all[NORMAL]));
+        for ((target, known), waypoint) in targets
+            .iter_mut()
+            .zip(self.dynamics.targets(&heights))
+            .zip(motion)
+        {
+            target.velocity += per_metre * (waypoint.rate - known.velocity[0]);
+            target.acceleration += per_metre * (waypoint.change - known.acceleration[0]);
+        }
     }
 
     /// The lowest height of the hanging tcp at `tick`, m: where it presses at the end of the search.
@@ -304,7 +378,8 @@ impl Motion {
     }
 
     /// Where the hanging tcp is to be at `tick` as far as no force law moves it: on the way to the object and with it,
-    /// and in the posture that keeps the tool's reference. What leads the robot is led here if the law is not fed
+    /// and in the posture that keeps the tool's reference; the deflected one is to keep to the way, so that the hanging
+    /// one leads it ([`crate::shaping`]). What leads the robot is led here if the law is not fed
     /// forward.
     ///
     /// `known` is what stood in the posture for the instant before: shift, share and coordinates.
@@ -316,19 +391,24 @@ impl Motion {
         fed_forward: bool,
         known: &mut Option<(Vector3<f64>, f64, Dofs)>,
     ) -> Dofs {
-        let tilt = self.contact.map_or(PathPoint::default(), |contact| {
+        let tilt = self.contact.map_or(Share::default(), |contact| {
             let time = since(settings, contact.cycle_tick, tick);
             spread(time, settings.controller.tilt_time_s)
         });
         let share = if fed_forward {
-            tilt.distance
+            tilt.value
         } else {
-            self.dynamics
-                .inverse(tilt.distance, tilt.speed, tilt.acceleration)
+            self.dynamics.inverse(tilt.value, tilt.rate, tilt.acceleration)
         };
-        let distance = match self.contact {
-            Some(contact) if settings.task.kind == TaskKind::Press => contact.distance_m,
-            _ => self.path.map_or(0.0, |path| path.at(settings, tick).distance),
+        let (distance, lead) = match self.contact {
+            // What the tool was led by then fades away.
+            Some(Contact { met, .. }) if settings.task.kind == TaskKind::Press => {
+                (met.distance, self.lead(settings, &met) * (1.0 - tilt.value))
+            }
+            _ => {
+                let point = self.path.map_or(Point::default(), |path| path.at(settings, tick));
+                (point.distance, self.lead(settings, &point))
+            }
         };
         let shift = self.path.and_then(|path| path.shift(expectation, tick, distance));
         let shift = shift.unwrap_or_default();
@@ -337,8 +417,17 @@ impl Motion {
             _ => self.frame.coordinates(&self.posture.reference(shift, share)),
         };
         *known = Some((shift, share, coordinates));
+        coordinates += lead;
         coordinates[NORMAL] -= distance;
         coordinates
+    }
+
+    /// How far the hanging tcp leads the deflected one at `point` of its way, m and rad.
+    fn lead(&self, settings: &Settings, point: &Point) -> Dofs {
+        match settings.controller.shaping.profile {
+            Profile::Smooth => self.swing.lead(-point.acceleration),
+            Profile::Trapezoid => Dofs::zeros(),
+        }
     }
 
     /// What the force laws ask for at the ticks `reached`.

@@ -24,8 +24,8 @@ fn touchdown(arguments: &str) -> (i32, String, String) {
 fn what_does_not_exist_is_refused_by_name() {
     for (arguments, error) in [
         (
-            "compare --laws pd,elastic",
-            "controller.law = \"elastic\" is not available yet; choose \"pd\" or ",
+            "compare --set timing.mode=realtime",
+            "timing.mode = \"realtime\" is not available yet; choose \"lockstep\"",
         ),
         ("compare --laws pid", "controller.law is the unknown word \"pid\""),
         (

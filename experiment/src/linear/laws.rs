@@ -61,8 +61,8 @@ impl LawModel {
         };
         match self.controller.law {
             Law::Literal => of_object(one),
-            Law::Proposed => of_object(self.memory(s) * self.followed(before)),
-            Law::Impedance => of_object(self.memory(s) * self.impedance(s) * self.led(s)),
+            Law::Proposed => of_object(self.memory(s) * self.stiffness() * self.followed(before)),
+            Law::Impedance => of_object(self.memory(s) * self.impedance(before) * self.followed(before)),
             Law::Ros2 => {
                 let p = &self.controller.ros2;
                 let t = self.period_s;
@@ -112,39 +112,66 @@ impl LawModel {
         C::from(gain) / (C::from(1.0) - (-s * TICK_S).exp() * (1.0 - gain))
     }
 
-    /// From a desired position that is expected to stay to the set-point: the difference equations of
-    /// `CommandDynamics::towards`, whose robot is taken to move as it is simulated there.
+    /// w_r^2: what a desired position that is expected to stay demands of the reference model, 1/s^2.
+    fn stiffness(&self) -> f64 {
+        let w = TAU * self.controller.proposed.reference_bandwidth_hz;
+        w * w
+    }
+
+    /// From what is demanded of the reference model, `x_d'' + w_r^2 x_d + 2 w_r x_d'`, to the set-point: the difference
+    /// equations of `CommandDynamics::towards`, whose robot is taken to move as it is simulated there.
     fn followed(&self, before: C) -> C {
         let (one, t) = (C::from(1.0), self.period_s);
-        let w = TAU * self.controller.proposed.reference_bandwidth_hz;
-        let (stiffness, damping) = (w * w, 2.0 * w);
+        let stiffness = self.stiffness();
+        let damping = 2.0 * stiffness.sqrt();
         let velocity = (one + before) / (one - before) * (0.5 * t);
         let position = (before * velocity * t + (one + before * 2.0) * (t * t / 6.0)) / (one - before);
-        let acceleration = C::from(stiffness)
-            / (C::from(1.0 + stiffness * t * t / 6.0 + damping * 0.5 * t)
-                + before * (position + velocity * t + t * t / 3.0) * stiffness
-                + before * (velocity + 0.5 * t) * damping);
+        let acceleration = (C::from(1.0 + stiffness * t * t / 6.0 + damping * 0.5 * t)
+            + before * (position + velocity * t + t * t / 3.0) * stiffness
+            + before * (velocity + 0.5 * t) * damping)
+            .inv();
         let f = TAU * self.controller.filter_frequency_hz;
         let zeta = self.controller.filter_damping;
         acceleration * (position + velocity * (2.0 * zeta / f) + 1.0 / (f * f))
     }
 
-    /// From a motion whose future is known to the set-point that leads it.
-    fn led(&self, s: C) -> C {
-        let f = TAU * self.controller.filter_frequency_hz;
-        C::from(1.0) + s * (2.0 * self.controller.filter_damping / f) + s * s / (f * f)
-    }
-
-    /// From the object to the mass of the impedance, by implicit steps of a tick.
-    fn impedance(&self, s: C) -> C {
+    /// From the object to what the impedance's motion demands of the reference model: implicit steps of a tick, and
+    /// velocity and acceleration from three of the coming positions, as `Target::ahead` takes them.
+    fn impedance(&self, before: C) -> C {
         let p = &self.controller.impedance;
-        let (one, h, before) = (C::from(1.0), TICK_S, (-s * TICK_S).exp());
+        let (h, t) = (TICK_S, self.period_s);
         let stiffness = 1.0 / self.compliance + p.stiffness_n_per_m;
         let inertia = p.mass_kg + h * p.damping_ns_per_m + h * h * stiffness;
-        // v' (inertia - m b) = h (x_o / C - stiffness b x), x (1 - b) = h v'.
-        let by_velocity = C::from(h) / (one - before);
-        let velocity = C::from(h / self.compliance)
-            / (C::from(inertia) - before * p.mass_kg + before * by_velocity * (h * stiffness));
-        velocity * by_velocity
+        let moved = |[mut x, mut v]: [f64; 2], object: f64| {
+            for _ in 0..libm::rint(t / h) as i64 {
+                v = (p.mass_kg * v + h * (object / self.compliance - stiffness * x)) / inertia;
+                x += h * v;
+            }
+            [x, v]
+        };
+        let columns = [
+            moved([1.0, 0.0], 0.0),
+            moved([0.0, 1.0], 0.0),
+            moved([0.0, 0.0], 1.0),
+        ];
+        let next = |[x, v]: [C; 2]| -> [C; 2] {
+            std::array::from_fn(|i| x * columns[0][i] + v * columns[1][i] + columns[2][i])
+        };
+        // S = (1 - b Phi)^-1 Gamma.
+        let [a, b, c, d] =
+            [columns[0][0], columns[1][0], columns[0][1], columns[1][1]].map(|phi| before * phi);
+        let one = C::from(1.0);
+        let determinant = (one - a) * (one - d) - b * c;
+        let [along, rate] = columns[2].map(C::from);
+        let now = [
+            ((one - d) * along + b * rate) / determinant,
+            (c * along + (one - a) * rate) / determinant,
+        ];
+        let soon = next(now);
+        let later = next(soon)[0];
+        let (now, soon) = (now[0], soon[0]);
+        let velocity = (soon * 4.0 - now * 3.0 - later) / (2.0 * t);
+        let acceleration = (now - soon * 2.0 + later) / (t * t);
+        acceleration + now * self.stiffness() + velocity * (2.0 * self.stiffness().sqrt())
     }
 }

@@ -46,11 +46,11 @@ impl Cells {
     /// The cells of `plan` from the `outcomes` of all its runs, and their prediction.
     pub fn new(plan: &Plan, outcomes: &[Outcome]) -> Self {
         let phases = plan.definition.phases;
-        let laws = plan.definition.laws.len();
         let mut maps = Vec::new();
         let mut first = 0;
         for map in &plan.definition.maps {
             let (columns, rows) = (map.x.values.len(), map.y.values.len());
+            let laws = plan.definition.laws(map).len();
             let at = |law: usize, cell: usize| first + (law * rows * columns + cell) * phases;
             // The plant of a cell is the same for all laws.
             let predicted: Vec<Vec<Option<Margins>>> = (0..rows * columns)
@@ -142,7 +142,7 @@ pub struct Verdict {
 pub fn verdicts(plan: &Plan, cells: &Cells) -> Vec<Verdict> {
     let mut all = Vec::new();
     for (map, laws) in plan.definition.maps.iter().zip(&cells.maps) {
-        for (law, rows) in plan.definition.laws.iter().zip(laws) {
+        for (law, rows) in plan.definition.laws(map).iter().zip(laws) {
             all.push(verdict(&map.name, law, rows));
         }
     }
@@ -200,7 +200,7 @@ pub fn cells_csv(plan: &Plan, cells: &Cells) -> String {
         None => vec![""; Metrics::COUNT].join(","),
     };
     for (map, laws) in plan.definition.maps.iter().zip(&cells.maps) {
-        for (law, rows) in plan.definition.laws.iter().zip(laws) {
+        for (law, rows) in plan.definition.laws(map).iter().zip(laws) {
             for (y, row) in map.y.values.iter().zip(rows) {
                 for (x, cell) in map.x.values.iter().zip(row) {
                     let predicted = cell.predicted.map_or(",,".to_owned(), |margins| {

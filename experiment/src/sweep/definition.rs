@@ -45,6 +45,8 @@ pub struct MapDefinition {
     pub name: String,
     /// What is said above the figure.
     pub title: String,
+    /// Control laws, where they are not the sweep's.
+    pub laws: Option<Vec<String>>,
     /// What is changed of the scenario beyond the sweep's `set`.
     #[serde(default)]
     pub set: Vec<String>,
@@ -114,6 +116,11 @@ impl Definition {
             }
         }
         Ok(definition)
+    }
+
+    /// The laws of a map.
+    pub fn laws<'a>(&'a self, map: &'a MapDefinition) -> &'a [String] {
+        map.laws.as_deref().unwrap_or(&self.laws)
     }
 
     /// The scenario that the maps vary.

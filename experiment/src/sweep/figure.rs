@@ -53,7 +53,7 @@ fn draw(plan: &Plan, map: &MapDefinition, laws: &[Vec<Vec<Cell>>]) -> Drawn<Stri
     let height = TOP + laws.len().div_ceil(COLUMNS) as i32 * panel_height;
     svg(width, height, |root| {
         draw_legend(root, plan, map)?;
-        for (i, (law, rows)) in plan.definition.laws.iter().zip(laws).enumerate() {
+        for (i, (law, rows)) in plan.definition.laws(map).iter().zip(laws).enumerate() {
             let at = (
                 EDGE + (i % COLUMNS) as i32 * panel_width + LEFT,
                 TOP + (i / COLUMNS) as i32 * panel_height + TITLE,

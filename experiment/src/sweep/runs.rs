@@ -120,7 +120,7 @@ impl Plan {
         let scenario = definition.scenario()?;
         let mut runs = Vec::new();
         for (map, described) in definition.maps.iter().enumerate() {
-            for (law, word) in definition.laws.iter().enumerate() {
+            for (law, word) in definition.laws(described).iter().enumerate() {
                 for (y, &up) in described.y.values.iter().enumerate() {
                     for (x, &right) in described.x.values.iter().enumerate() {
                         let mut overrides = described.set.clone();
@@ -231,7 +231,7 @@ impl Plan {
 
     fn line(&self, run: &Run, outcome: &Outcome) -> String {
         let map = &self.definition.maps[run.map];
-        let law = &self.definition.laws[run.law];
+        let law = &self.definition.laws(map)[run.law];
         let gains = self.definition.gains.word();
         let (x, y) = (map.x.values[run.x], map.y.values[run.y]);
         let figures = match &outcome.metrics {

@@ -59,6 +59,12 @@ const FZI: &[Parameter] = &[
     parameter!(fzi.derivative_s, 1e-5..0.1),
 ];
 
+const ELASTIC: &[Parameter] = &[
+    parameter!(elastic.effort_s2, 1e-6..1e-3),
+    parameter!(elastic.contact_weight, 1e-3..10.0),
+    parameter!(elastic.unknown_acceleration_m_per_s2, 1e-2..10.0),
+];
+
 /// What of `law` is tuned; nothing of a law without gains.
 pub fn parameters(law: Law) -> &'static [Parameter] {
     match law {
@@ -67,7 +73,8 @@ pub fn parameters(law: Law) -> &'static [Parameter] {
         Law::Impedance => IMPEDANCE,
         Law::Ros2 => ROS2,
         Law::Fzi => FZI,
-        Law::Literal | Law::Elastic => &[],
+        Law::Elastic => ELASTIC,
+        Law::Literal => &[],
     }
 }
 

@@ -13,6 +13,7 @@ mod adaptation;
 mod check;
 mod choice;
 mod controller;
+mod elastic;
 mod error;
 mod estimate;
 mod hash;
@@ -22,6 +23,7 @@ mod reach;
 mod read;
 mod robot;
 mod schema;
+mod shaping;
 mod task;
 #[cfg(test)]
 mod tests;
@@ -29,14 +31,16 @@ mod value;
 
 pub use adaptation::Adaptation;
 pub use choice::{
-    ExpectedFrom, Gears, Kinematics, ObjectMotion, Pairing, SensorOutput, TaskKind, TimingMode, ToolShape,
-    Transform,
+    ExpectedFrom, Gears, Kinematics, ObjectMotion, Pairing, Profile, SensorOutput, TaskKind, TimingMode,
+    ToolShape, Transform,
 };
 pub use controller::{AssumedServo, Controller, Expected, Fzi, Impact, Impedance, Pd, Proposed, Ros2};
+pub use elastic::{AssumedGears, ElasticLaw};
 pub use error::ScenarioError;
 pub use object_sensor::ObjectSensor;
 pub use robot::Drives;
 pub use schema::{Allowed, Key};
+pub use shaping::Shaping;
 pub use spatial::ports::Law;
 pub use task::{ForceControlled, Task};
 
