@@ -92,7 +92,7 @@ fn grid(scenario: &Scenario, steps: usize) -> Vec<Vec<String>> {
     for parameter in parameters(scenario.controller.law) {
         let value = |step: usize| {
             let share = (step as f64 + 0.5) / steps as f64;
-            parameter.low * (parameter.high / parameter.low).powf(share)
+            parameter.low * libm::pow(parameter.high / parameter.low, share)
         };
         points = points
             .into_iter()
@@ -144,18 +144,40 @@ fn what_the_readme_says_of_tuned_laws_and_maps() {
         tuned.tuned.iter().find(of).unwrap().criterion_held_out
     };
     for law in ["pd", "pd-reset", "ros2", "fzi"] {
-        assert!(cost(law) >= 2.0 * cost("proposed"), "{law}: {}, proposed: {}", cost(law), cost("proposed"));
+        assert!(
+            cost(law) >= 2.0 * cost("proposed"),
+            "{law}: {}, proposed: {}",
+            cost(law),
+            cost("proposed")
+        );
     }
     // The file's figures are those of the search.
-    let pd = Source::find("paper").unwrap().scenario(&["controller.law=pd".to_owned()]).unwrap();
-    let entry = tuned.tuned.iter().find(|entry| entry.law == "pd" && entry.robot == "rigid").unwrap();
-    let again = judge(&tuned.apply(Gains::Tuned, &pd).unwrap().unwrap(), Set::HeldOut, entry.runs);
-    let same = tuned.tuned.iter().any(|entry| entry.law == "pd" && (entry.criterion_held_out - again).abs() < 5e-4);
+    let pd = Source::find("paper")
+        .unwrap()
+        .scenario(&["controller.law=pd".to_owned()])
+        .unwrap();
+    let entry = tuned
+        .tuned
+        .iter()
+        .find(|entry| entry.law == "pd" && entry.robot == "rigid")
+        .unwrap();
+    let again = judge(
+        &tuned.apply(Gains::Tuned, &pd).unwrap().unwrap(),
+        Set::HeldOut,
+        entry.runs,
+    );
+    let same = tuned
+        .tuned
+        .iter()
+        .any(|entry| entry.law == "pd" && (entry.criterion_held_out - again).abs() < 5e-4);
     assert!(same, "{again}: run `make tune`");
 
     let plan = Plan::new(Definition::find("shootout").unwrap(), &tuned).unwrap();
     let thousands = format!("{},{:03}", plan.runs.len() / 1000, plan.runs.len() % 1000);
     let readme = concat!(env!("CARGO_MANIFEST_DIR"), "/../README.md");
     let readme = std::fs::read_to_string(readme).unwrap();
-    assert!(readme.contains(&format!("in {thousands} simulated experiments")), "{thousands}");
+    assert!(
+        readme.contains(&format!("in {thousands} simulated experiments")),
+        "{thousands}"
+    );
 }

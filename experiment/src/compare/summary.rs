@@ -54,7 +54,7 @@ type Values = [f64; Metrics::COUNT];
 fn confidence(all: &[Values], seeds: usize) -> Values {
     let mean =
         |runs: &[Values], i: usize| runs.iter().map(|values| values[i]).sum::<f64>() / runs.len() as f64;
-    let several = all.len() > seeds && all.len() % seeds == 0;
+    let several = all.len() > seeds && all.len().is_multiple_of(seeds);
     std::array::from_fn(|i| {
         let sample: Vec<f64> = if several {
             all.chunks(seeds).map(|phase| mean(phase, i)).collect()

@@ -35,7 +35,7 @@ impl LawModel {
             controller.law,
             Law::Pd | Law::PdReset | Law::Literal | Law::Proposed | Law::Impedance | Law::Ros2 | Law::Fzi
         );
-        known.then(|| Self {
+        known.then_some(Self {
             compliance: controller.compliance_m_per_n + (x * x + y * y) * controller.compliance_rad_per_nm,
             period_s: scenario.timing.command_period_ticks as f64 * TICK_S,
             controller,

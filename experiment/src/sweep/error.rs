@@ -49,6 +49,16 @@ pub enum SweepError {
         /// The configuration that belongs there.
         expected: String,
     },
+    /// A run that its length does not leave anything to judge of.
+    #[error("map {map}, law {law}: {reason}")]
+    NothingJudged {
+        /// Its map.
+        map: String,
+        /// Its law.
+        law: String,
+        /// Why.
+        reason: crate::metrics::NoFigures,
+    },
     /// A file that can't be read or written.
     #[error("{} can't be read or written: {source}; choose a directory that can be written to", path.display())]
     File {

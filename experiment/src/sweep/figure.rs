@@ -116,8 +116,8 @@ fn draw_cell(root: &Area<'_>, cell: &Cell, low: (i32, i32), high: (i32, i32)) ->
 /// Along the edges between cells that are predicted stable and cells that are not.
 fn draw_border(root: &Area<'_>, rows: &[Vec<Cell>], corner: impl Fn(i32, i32) -> (i32, i32)) -> Drawn {
     let stable = |x: usize, y: usize| -> Option<bool> { Some(rows.get(y)?.get(x)?.predicted?.stable) };
-    for y in 0..rows.len() {
-        for x in 0..rows[y].len() {
+    for (y, row) in rows.iter().enumerate() {
+        for x in 0..row.len() {
             let (u, v) = (x as i32, y as i32);
             let differs = |other: Option<bool>| other.is_some_and(|other| Some(other) != stable(x, y));
             if stable(x, y).is_some() && differs(stable(x + 1, y)) {
@@ -136,7 +136,7 @@ fn draw_axes(root: &Area<'_>, map: &MapDefinition, at: (i32, i32), up: i32) -> D
     let below = Pos::new(HPos::Center, VPos::Top);
     let beside = Pos::new(HPos::Right, VPos::Center);
     let centre = |i: usize| i as i32 * square + square / 2;
-    for i in shown(&map.x) {
+    for i in shown(&map.x, square) {
         let text = number(map.x.values[i]);
         root.draw(&label(
             &text,
@@ -180,20 +180,17 @@ fn square(map: &MapDefinition) -> i32 {
     (PANEL / most).clamp(SQUARE[0], SQUARE[1])
 }
 
-/// The values that have room for a number: every second one of many or long ones along x.
-fn shown(values: &Values) -> impl Iterator<Item = usize> + use<> {
+/// The values that have room for a number along x, in squares of `square` px.
+fn shown(values: &Values, square: i32) -> impl Iterator<Item = usize> + use<> {
     let longest = values
         .values
         .iter()
         .map(|value| number(*value).len())
         .max()
-        .unwrap_or(0);
-    let step = match longest {
-        0..=2 => 1,
-        3 => 2,
-        _ => 3,
-    };
-    (0..values.values.len()).step_by(step)
+        .unwrap_or(0) as i32;
+    // A digit takes 8 px, and some air.
+    let step = (8 * longest + 4 + square - 1) / square;
+    (0..values.values.len()).step_by(step.max(1) as usize)
 }
 
 fn number(value: f64) -> String {

@@ -168,11 +168,15 @@ impl Plan {
             let finished: Vec<Outcome> = chunk
                 .par_iter()
                 .map(|run| {
-                    let outcome = Outcome::new(&metrics(&run.scenario), run.scenario.task.pressing_force_n());
+                    let result = metrics(&run.scenario);
+                    if let Err(reason @ NoFigures::TooShort { .. }) = result {
+                        return Err(self.nothing_judged(run, reason));
+                    }
+                    let outcome = Outcome::new(&result, run.scenario.task.pressing_force_n());
                     done(1);
-                    outcome
+                    Ok(outcome)
                 })
-                .collect();
+                .collect::<Result<_, SweepError>>()?;
             let lines: String = chunk
                 .iter()
                 .zip(&finished)
@@ -183,6 +187,15 @@ impl Plan {
             outcomes.extend(finished);
         }
         Ok((outcomes, found))
+    }
+
+    fn nothing_judged(&self, run: &Run, reason: NoFigures) -> SweepError {
+        let map = &self.definition.maps[run.map];
+        SweepError::NothingJudged {
+            map: map.name.clone(),
+            law: self.definition.laws(map)[run.law].clone(),
+            reason,
+        }
     }
 
     /// The outcomes that `path` has, which holds nothing else afterwards: a line that was cut off is removed.
