@@ -115,7 +115,7 @@ mod tests {
     fn what_does_not_exist_is_refused_with_what_does() {
         assert_eq!(
             Source::find("papre").unwrap_err().to_string(),
-            "unknown scenario \"papre\"; the built-in ones are: paper, arm, elastic, expected, face, conveyor, insert, car_body; \
+            "unknown scenario \"papre\"; the built-in ones are: paper, arm, elastic, elastic_arm, expected, face, conveyor, insert, car_body; \
              a path works too: it contains a / or ends with .toml"
         );
         let missing = Source::find("missing.toml").unwrap_err().to_string();
