@@ -293,6 +293,7 @@ mod tests {
                 "controller.expected.filter_gain",
                 "controller.gears.damping_ratio",
                 "controller.elastic.contact_weight",
+                "controller.elastic.linear_range",
                 "controller.elastic.mode_spread",
                 "controller.elastic.likelihood_memory",
                 "controller.shaping.mode_error",
