@@ -70,6 +70,8 @@ pub(super) struct Contact {
     pub(super) distance_m: f64,
     /// Whether the tool has lost the object.
     pub(super) lost: bool,
+    /// Whether the newest sample shows less force than a contact: the tool may be in the air.
+    pub(super) airborne: bool,
     /// Tick of the newest sample in contact.
     touched_tick: i64,
 }
@@ -85,6 +87,7 @@ impl Contact {
             cycle_tick,
             distance_m,
             lost: false,
+            airborne: false,
             touched_tick: sample_tick,
         }
     }
@@ -101,7 +104,9 @@ impl Contact {
         } else {
             split(&sensed.wrench).0.norm()
         };
-        if force_n >= least_n {
+        self.airborne = force_n < least_n;
+        // What the cumulative sum has detected is a contact, however small.
+        if !self.airborne || sensed.sample.tick == self.sample_tick {
             self.touched_tick = sensed.sample.tick;
         }
         match sensed.sample.tick - self.touched_tick {

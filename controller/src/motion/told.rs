@@ -53,6 +53,16 @@ impl Motion {
         self.detector.threshold_n()
     }
 
+    /// The force that the recent accelerations can cause, N.
+    pub(crate) fn raised_n(&self) -> f64 {
+        self.detector.raised_n()
+    }
+
+    /// The tcp of the hanging tool in s, m.
+    pub(crate) fn hanging_in_s(&self) -> Vector3<f64> {
+        self.posture.hanging_tcp(&Pose::identity()).translation.vector
+    }
+
     pub(crate) fn saturated(&self) -> bool {
         self.newest.sample.flags.saturated
     }

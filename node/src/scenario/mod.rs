@@ -18,6 +18,7 @@ mod estimate;
 mod hash;
 mod names;
 mod object_sensor;
+mod protection;
 mod reach;
 mod read;
 mod robot;
@@ -35,6 +36,7 @@ pub use choice::{
 pub use controller::{AssumedServo, Controller, Expected, Impact, Impedance, Pd, Proposed};
 pub use error::ScenarioError;
 pub use object_sensor::ObjectSensor;
+pub use protection::{Collision, Cusum, Limits};
 pub use robot::Drives;
 pub use schema::{Allowed, Key};
 pub use spatial::ports::Law;
