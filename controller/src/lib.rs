@@ -124,6 +124,15 @@ impl Settings {
         self.controller.command_delay_periods + 1
     }
 
+    /// The speed (m/s) at which the command is as far ahead of the actual pose as it may be, but for what acceleration
+    /// adds: the tcp is sent where it arrives after the dead time, and the command filter lags by `2 zeta / w`. Faster, the
+    /// way would wait and go on again and again.
+    fn fastest_m_per_s(&self) -> f64 {
+        let controller = &self.controller;
+        let lag_s = 2.0 * controller.filter_damping / (TAU * controller.filter_frequency_hz);
+        0.97 * controller.max_lead_m / (self.lead() as f64 * self.period_s() + lag_s)
+    }
+
     /// T, s.
     fn period_s(&self) -> f64 {
         self.period_ticks as f64 * TICK_S

@@ -3,7 +3,9 @@
 mod compliance;
 mod impact;
 mod laws;
+mod limits;
 mod phases;
+mod protection;
 mod samples;
 
 use super::*;

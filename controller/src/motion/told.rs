@@ -75,12 +75,12 @@ impl Motion {
             .unwrap_or_default()
     }
 
-    /// Whether the allowed force of the impact slows the approach.
+    /// Whether the allowed force of the impact, or the bound of command minus actual, slows the approach.
     pub(crate) fn slowed(&self, settings: &Settings) -> bool {
         let requested = settings.task.approach_speed_m_per_s;
-        self.impact
-            .as_ref()
-            .is_some_and(|impact| impact.allowed_speed_m_per_s(requested) < requested)
+        let impact = self.impact.as_ref();
+        settings.fastest_m_per_s() < requested
+            || impact.is_some_and(|impact| impact.allowed_speed_m_per_s(requested) < requested)
     }
 
     pub(crate) fn in_contact(&self) -> bool {
