@@ -16,6 +16,7 @@
 //! | task description, sample by sample | [`literal`] | (2) |
 //! | object measured once, then refined and extrapolated | [`object_model`], [`fading_memory`] | (2), (12) |
 //! | impedance as the task | [`impedance`] | II |
+//! | the object behind elastic gears | [`elastic`] | VI |
 //! | feed-forward of the position control | [`command_dynamics`] | Fig. 2, II-B |
 //! | desired force as a disturbance of the position control | [`disturbance`] | II-B |
 //! | posture that keeps the tool's orientation | [`posture`] | (9)-(11), Fig. 5 |
@@ -34,6 +35,7 @@ pub mod detection;
 pub mod disturbance;
 pub mod dofs;
 pub mod drift;
+pub mod elastic;
 pub mod expectation;
 pub mod fading_memory;
 pub mod impact;
@@ -64,10 +66,12 @@ use pairing::EncoderHistory;
 use sensing::Sensing;
 use spatial::kinematics::{Axes, Kinematics};
 use spatial::ports::{
-    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, ObjectPose, RobotState,
+    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, Law, ObjectPose,
+    RobotState,
 };
 use spatial::{Compliance, TICK_S, TICK_US, Wrench};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 use tilting::Tilting;
 use transform::deflection_at_tcp;
 
@@ -116,6 +120,8 @@ struct Settings {
     compliance: Compliance,
     d: Vector3<f64>,
     desired: Wrench,
+    /// For the law of that name.
+    elastic: Option<Arc<elastic::Design>>,
 }
 
 impl Settings {
@@ -164,6 +170,9 @@ impl Controller {
                         TaskKind::Position | TaskKind::Calibrate => Vector3::zeros(),
                     },
                 },
+                elastic: (controller.law == Law::Elastic)
+                    .then(|| elastic::Design::new(scenario).map(Arc::new))
+                    .flatten(),
             },
             phase: ControllerPhase::Init,
             fault: Fault::None,

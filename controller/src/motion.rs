@@ -10,11 +10,12 @@ pub(crate) use sensed::Sample;
 
 use crate::Settings;
 use crate::approach::{PathPoint, spread};
-use crate::command_dynamics::CommandDynamics;
-use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch};
+use crate::command_dynamics::{CommandDynamics, Target};
+use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch, Waypoint};
 use crate::detection::Detector;
 use crate::disturbance::Disturbance;
 use crate::dofs::{Dofs, NORMAL, Selection, TaskFrame, TcpCompliance};
+use crate::elastic::Elastic;
 use crate::expectation::Expectation;
 use crate::impact::ImpactMonitor;
 use crate::law::{ForceControl, feeds_forward};
@@ -26,7 +27,7 @@ use path::{Path, since};
 use plan::{Plan, bound_lead};
 use sensed::{Contact, Sensed};
 use spatial::kinematics::{Axes, Unreachable, join, split};
-use spatial::ports::{HORIZON, LIMIT_LEAD, SampleFlags};
+use spatial::ports::{HORIZON, LIMIT_LEAD, Law, SampleFlags};
 use spatial::{Compliance, Deflection, Pose, TICK_S, Wrench};
 use std::f64::consts::TAU;
 
@@ -86,6 +87,7 @@ impl Motion {
         };
         let compliance = tcp_compliance(&settings.compliance, &posture, &r_from_s, &selection);
         let noise_n = noise_m / compliance.along(NORMAL);
+        let elastic = settings.elastic.clone().map(Elastic::new);
         Self {
             frame,
             selection,
@@ -103,7 +105,7 @@ impl Motion {
             ),
             disturbance: Disturbance::new(&controller.servo),
             detector: Detector::of(controller, noise_n),
-            force_control: ForceControl::new(controller, selection),
+            force_control: ForceControl::new(controller, selection, elastic),
             impact,
             contact: None,
             newest: Sensed::new(&sample, &r_from_s, &posture, &compliance),
@@ -206,6 +208,7 @@ impl Motion {
         let reached: [i64; PREVIEW] =
             std::array::from_fn(|i| tick + (settings.lead() + i as i64) * settings.period_ticks);
         let leads = feeds_forward(settings.controller.law);
+        self.track(settings, reached[0] - settings.period_ticks);
         let mut known = None;
         let mut coordinates =
             reached.map(|tick| self.reference(settings, expectation, tick, leads, &mut known));
@@ -225,14 +228,20 @@ impl Motion {
         let mut set_points = if leads {
             let proposed = &settings.controller.proposed;
             let mut led = axes;
-            if proposed.disturbance_feed_forward && self.contact.is_some() {
+            let models_servo = settings.controller.law == Law::Elastic;
+            if proposed.disturbance_feed_forward && self.contact.is_some() && !models_servo {
                 let torque = self.torque(settings, &axes[0]);
                 let deviations = self.disturbance.preview(&torque, settings.period_ticks);
                 for (axes, deviation) in led.iter_mut().zip(deviations) {
                     *axes -= deviation;
                 }
             }
-            self.dynamics.follow(&led, TAU * proposed.reference_bandwidth_hz)
+            let mut targets = self.dynamics.targets(&led);
+            if let Some(motion) = self.planned(&coordinates) {
+                self.along_normal(settings, motion, &coordinates, &axes[0], &mut targets);
+            }
+            self.dynamics
+                .follow(&targets, TAU * proposed.reference_bandwidth_hz)
         } else {
             std::array::from_fn(|i| axes[i])
         };
@@ -263,6 +272,61 @@ impl Motion {
             commanded,
         };
         Ok((set_points, bits))
+    }
+
+    /// Tell the law where the command filters will be at `tick`, when the next set-point begins to act.
+    fn track(&mut self, settings: &Settings, tick: i64) {
+        let (dynamics, posture, frame) = (&self.dynamics, &self.posture, &self.frame);
+        self.force_control.track(tick as f64 * TICK_S, || {
+            let reached = dynamics.reached();
+            let r_from_s = settings.kinematics.forward(&reached.position);
+            let hanging = posture.hanging_tcp(&r_from_s);
+            let lever = hanging.translation.vector - r_from_s.translation.vector;
+            let jacobian = settings.kinematics.jacobian(&reached.position);
+            let along = |rates: &Axes| {
+                let (linear, angular) = split(&(jacobian * rates));
+                (linear + angular.cross(&lever))[NORMAL]
+            };
+            Waypoint {
+                position: frame.coordinates(&hanging)[NORMAL],
+                rate: along(&reached.velocity),
+                change: along(&reached.acceleration),
+            }
+        });
+    }
+
+    /// The motion along the normal that a law has planned, unless `coordinates` are elsewhere.
+    fn planned(&self, coordinates: &[Dofs; PREVIEW]) -> Option<&[Waypoint; PREVIEW]> {
+        let motion = self.contact.and(self.force_control.motion())?;
+        let same = |(waypoint, all): (&Waypoint, &Dofs)| waypoint.position == all[NORMAL];
+        motion.iter().zip(coordinates).all(same).then_some(motion)
+    }
+
+    /// Give `targets` the rates of the `motion` along the normal instead of those that follow from `coordinates`.
+    fn along_normal(
+        &self,
+        settings: &Settings,
+        motion: &[Waypoint; PREVIEW],
+        coordinates: &[Dofs; PREVIEW],
+        axes: &Axes,
+        targets: &mut [Target; HORIZON],
+    ) {
+        let upwards = join(Vector3::z(), Vector3::zeros());
+        let per_metre = settings
+            .kinematics
+            .jacobian(axes)
+            .lu()
+            .solve(&upwards)
+            .unwrap_or_default();
+        let heights = coordinates.map(|all| Axes::repeat(all[NORMAL]));
+        for ((target, known), waypoint) in targets
+            .iter_mut()
+            .zip(self.dynamics.targets(&heights))
+            .zip(motion)
+        {
+            target.velocity += per_metre * (waypoint.rate - known.velocity[0]);
+            target.acceleration += per_metre * (waypoint.change - known.acceleration[0]);
+        }
     }
 
     /// The lowest height of the hanging tcp at `tick`, m: where it presses at the end of the search.

@@ -52,12 +52,16 @@ fn what_comes_up_stops_the_robot() {
             && status.detection.statistic_n.abs() > status.detection.threshold_n
     );
     for (time, phase) in [(1.34, ControllerPhase::Contact), (2.0, ControllerPhase::Settled)] {
-        let profile = format!("object.profile_time_s=[0.0,{time},{},4.0]", time + 0.2);
+        let profile = format!(
+            "object.profile_time_s=[0.0,{},{time},{},4.0]",
+            time - 0.01,
+            time + 0.2
+        );
         let (statuses, _) = run(
             "paper",
             &[
                 &profile,
-                "object.profile_height_m=[0.0,0.0,0.02,0.02]",
+                "object.profile_height_m=[0.0,0.0,0.0,0.02,0.02]",
                 "task.max_contact_force_n=40",
                 "timing.duration_s=2.5",
             ],
@@ -113,8 +117,8 @@ fn an_object_that_drops_is_met_again_gently() {
             "paper",
             &[
                 &law,
-                "object.profile_time_s=[0.0,2.0,2.001,5.0]",
-                "object.profile_height_m=[0.0,0.0,-0.001,-0.001]",
+                "object.profile_time_s=[0.0,1.98,2.0,2.02,2.04,5.0]",
+                "object.profile_height_m=[0.0,0.0,0.0,-0.001,-0.001,-0.001]",
                 "timing.duration_s=3.5",
             ],
         );

@@ -172,5 +172,5 @@ choice!(ExpectedFrom: "nothing" => Nothing, "model" => Model, "object-sensor" =>
 choice!(ObjectMotion: "fixed" => Fixed, "steady" => Steady, "accelerated" => Accelerated);
 choice!(SensorOutput: "deflection" => Deflection, "force" => Force);
 choice!(ToolShape: "point" => Point, "face" => Face, "peg" => Peg);
-choice!(Law: "pd" => Pd, "pd-reset" => PdReset, "literal" => Literal, "proposed" => Proposed, "impedance" => Impedance;
-    planned: "elastic", "ros2", "fzi");
+choice!(Law: "pd" => Pd, "pd-reset" => PdReset, "literal" => Literal, "proposed" => Proposed, "impedance" => Impedance,
+    "elastic" => Elastic; planned: "ros2", "fzi");

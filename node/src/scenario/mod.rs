@@ -13,6 +13,7 @@ mod adaptation;
 mod check;
 mod choice;
 mod controller;
+mod elastic;
 mod error;
 mod estimate;
 mod hash;
@@ -34,6 +35,7 @@ pub use choice::{
     Transform,
 };
 pub use controller::{AssumedServo, Controller, Expected, Impact, Impedance, Pd, Proposed};
+pub use elastic::{AssumedGears, ElasticLaw};
 pub use error::ScenarioError;
 pub use object_sensor::ObjectSensor;
 pub use protection::{Collision, Cusum, Limits};
