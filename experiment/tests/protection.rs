@@ -108,29 +108,39 @@ fn ends_and_walls_are_kept_on_gantry_and_arm() {
     }
 }
 
-/// The object drops by 1 mm while it is pressed: it is sought with 10 mm/s, met again, and the force comes back.
+/// The object drops by 1 mm while it is pressed: it is sought with no more than the approach's 20 mm/s (10 mm/s once the
+/// tool, which was let go and swings like a contact, has come to rest), met again, and the force comes back. How hard it is
+/// met is the swing's affair: 30 mm/s.
 #[test]
 fn an_object_that_drops_is_met_again_gently() {
-    for law in ["pd", "proposed", "impedance"] {
-        let law = format!("controller.law={law}");
-        let (statuses, peak) = run(
-            "paper",
-            &[
-                &law,
-                "object.profile_time_s=[0.0,1.98,2.0,2.02,2.04,5.0]",
-                "object.profile_height_m=[0.0,0.0,0.0,-0.001,-0.001,-0.001]",
-                "timing.duration_s=3.5",
-            ],
-        );
-        let last = statuses[statuses.len() - 1];
+    for law in ["pd", "pd-reset", "proposed", "impedance"] {
+        let overrides = [
+            &format!("controller.law={law}"),
+            "object.profile_time_s=[0.0,1.98,2.0,2.02,2.04,5.0]",
+            "object.profile_height_m=[0.0,0.0,0.0,-0.001,-0.001,-0.001]",
+            "timing.duration_s=3.5",
+        ]
+        .map(str::to_owned);
+        let scenario = Source::find("paper").unwrap().scenario(&overrides).unwrap();
+        let (mut last, mut sought, mut fastest) = (None, 0, 0.0);
+        in_process::run(&scenario, |tick| {
+            let (Some(answer), Some(state)) = (tick.controller, tick.robot_state) else {
+                return;
+            };
+            let in_air = answer.status.stamp.step > 2030 && tick.sensor.truth.contact_force_peak_n == 0.0;
+            sought = if in_air { sought + 1 } else { 0 };
+            // What was under way when the object was lost has passed after the dead time and the filter's.
+            if sought > 10 {
+                fastest = f64::max(fastest, -state.axis_velocity[2]);
+            }
+            last = Some(answer.status);
+        });
+        let last = last.unwrap();
         assert_eq!(
             (last.phase, last.fault),
             (ControllerPhase::Settled, Fault::None),
             "{law}"
         );
-        // 107 N at 20 mm/s; and the tool that was let go swings on with as much.
-        assert!(peak < 140.0, "{law}: {peak} N");
-        let sought = statuses.iter().any(|status| status.limits & LIMIT_SEEK != 0);
-        assert!(sought || law.ends_with("pd"), "{law}");
+        assert!((0.001..0.0205).contains(&fastest), "{law}: {fastest} m/s");
     }
 }
