@@ -7,6 +7,7 @@
 //! |---|---|---|
 //! | actual pose and deflection at the same instant | [`pairing`] | below (2) |
 //! | object expected before the contact | [`expectation`], [`approach`] | II-B, IV-C, footnote 3 |
+//! | free motion that leaves nothing swinging | [`shaping`], [`approach`] | VI |
 //! | contact or not; collision | [`detection`], [`collision`] | V |
 //! | limits of the command | [`limits`] | |
 //! | between sensor and tcp | [`transform`] | (3)-(12) |
@@ -47,6 +48,7 @@ pub mod object_model;
 pub mod pairing;
 pub mod pd;
 pub mod posture;
+pub mod shaping;
 pub mod tare;
 pub mod tilting;
 pub mod transform;
@@ -310,7 +312,7 @@ impl Controller {
         let ended = match self.phase {
             ControllerPhase::Approach | ControllerPhase::Contact | ControllerPhase::Settled => {
                 let so_far = motion.approached_for(settings, &self.expectation, tick);
-                so_far > motion.approach_duration()
+                so_far > motion.approach_duration(settings)
             }
             _ => false,
         };

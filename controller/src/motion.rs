@@ -9,7 +9,7 @@ mod told;
 pub(crate) use sensed::Sample;
 
 use crate::Settings;
-use crate::approach::{PathPoint, spread};
+use crate::approach::{Share, spread};
 use crate::command_dynamics::{CommandDynamics, Target};
 use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch, Waypoint};
 use crate::detection::Detector;
@@ -21,8 +21,10 @@ use crate::impact::ImpactMonitor;
 use crate::law::{ForceControl, feeds_forward};
 use crate::limits::Limits;
 use crate::posture::Posture;
+use crate::shaping::swing::Swing;
+use crate::shaping::{Point, Shape};
 use nalgebra::Vector3;
-use node::scenario::TaskKind;
+use node::scenario::{Profile, TaskKind};
 use path::{Path, since};
 use plan::{Plan, bound_lead};
 use sensed::{Contact, Sensed};
@@ -42,6 +44,9 @@ pub(crate) struct Motion {
     compliance: TcpCompliance,
     /// `C f_d`.
     desired_displacement: Dofs,
+    /// What the tool's acceleration deflects, and how a change of speed takes that into account.
+    swing: Swing,
+    shape: Shape,
     /// The way to the object, once the approach has begun.
     path: Option<Path>,
     dynamics: CommandDynamics,
@@ -85,6 +90,7 @@ impl Motion {
             flags: SampleFlags::default(),
             axes: *start,
         };
+        let swing = Swing::new(controller, &settings.kinematics, start);
         let compliance = tcp_compliance(&settings.compliance, &posture, &r_from_s, &selection);
         let noise_n = noise_m / compliance.along(NORMAL);
         let elastic = settings.elastic.clone().map(Elastic::new);
@@ -95,6 +101,8 @@ impl Motion {
             posture,
             compliance,
             desired_displacement: posture.desired_displacement(),
+            swing,
+            shape: Shape::new(&controller.shaping, &swing),
             path: None,
             dynamics: CommandDynamics::new(
                 controller.filter_frequency_hz,
@@ -144,8 +152,10 @@ impl Motion {
         let looking = approaching && self.contact.is_none();
         if self.detector.take(sensed.normal_force_n, looking) {
             let reached = tick + settings.lead() * settings.period_ticks;
-            let distance_m = self.path.map_or(0.0, |path| path.at(settings, reached).distance);
-            self.contact = Some(Contact::new(sample.tick, tick, distance_m));
+            let met = self
+                .path
+                .map_or(Point::default(), |path| path.at(settings, reached));
+            self.contact = Some(Contact::new(sample.tick, tick, met));
             if let Some(impact) = &mut self.impact {
                 impact.contact();
             }
@@ -177,16 +187,16 @@ impl Motion {
         tick: i64,
     ) -> f64 {
         let start_m = self.plan.coordinates[0][NORMAL];
-        let impact = self.impact.as_ref();
+        let (shape, impact) = (self.shape, self.impact.as_ref());
         let path = self
             .path
-            .get_or_insert_with(|| Path::new(settings, expectation, impact, start_m, tick));
+            .get_or_insert_with(|| Path::new(settings, expectation, shape, impact, start_m, tick));
         path.lasted_s(tick)
     }
 
-    /// How long the approach lasts at most, s.
-    pub(crate) fn approach_duration(&self) -> f64 {
-        self.path.map_or(0.0, |path| path.duration_s())
+    /// How long the approach lasts at most, until its end has been the next set-point, s.
+    pub(crate) fn approach_duration(&self, settings: &Settings) -> f64 {
+        self.path.map_or(0.0, |path| path.duration_s()) + settings.period_s()
     }
 
     /// Count this cycle as one with the force `inside` its band; how many there were in a row.
@@ -358,7 +368,8 @@ impl Motion {
     }
 
     /// Where the hanging tcp is to be at `tick` as far as no force law moves it: on the way to the object and with it,
-    /// and in the posture that keeps the tool's reference. What leads the robot is led here if the law is not fed
+    /// and in the posture that keeps the tool's reference; the deflected one is to keep to the way, so that the hanging
+    /// one leads it ([`crate::shaping`]). What leads the robot is led here if the law is not fed
     /// forward.
     ///
     /// `known` is what stood in the posture for the instant before: shift, share and coordinates.
@@ -370,19 +381,24 @@ impl Motion {
         fed_forward: bool,
         known: &mut Option<(Vector3<f64>, f64, Dofs)>,
     ) -> Dofs {
-        let tilt = self.contact.map_or(PathPoint::default(), |contact| {
+        let tilt = self.contact.map_or(Share::default(), |contact| {
             let time = since(settings, contact.cycle_tick, tick);
             spread(time, settings.controller.tilt_time_s)
         });
         let share = if fed_forward {
-            tilt.distance
+            tilt.value
         } else {
-            self.dynamics
-                .inverse(tilt.distance, tilt.speed, tilt.acceleration)
+            self.dynamics.inverse(tilt.value, tilt.rate, tilt.acceleration)
         };
-        let distance = match self.contact {
-            Some(contact) if settings.task.kind == TaskKind::Press => contact.distance_m,
-            _ => self.path.map_or(0.0, |path| path.at(settings, tick).distance),
+        let (distance, lead) = match self.contact {
+            // What the tool was led by then fades away.
+            Some(Contact { met, .. }) if settings.task.kind == TaskKind::Press => {
+                (met.distance, self.lead(settings, &met) * (1.0 - tilt.value))
+            }
+            _ => {
+                let point = self.path.map_or(Point::default(), |path| path.at(settings, tick));
+                (point.distance, self.lead(settings, &point))
+            }
         };
         let shift = self.path.and_then(|path| path.shift(expectation, tick, distance));
         let shift = shift.unwrap_or_default();
@@ -391,8 +407,17 @@ impl Motion {
             _ => self.frame.coordinates(&self.posture.reference(shift, share)),
         };
         *known = Some((shift, share, coordinates));
+        coordinates += lead;
         coordinates[NORMAL] -= distance;
         coordinates
+    }
+
+    /// How far the hanging tcp leads the deflected one at `point` of its way, m and rad.
+    fn lead(&self, settings: &Settings, point: &Point) -> Dofs {
+        match settings.controller.shaping.profile {
+            Profile::Smooth => self.swing.lead(-point.acceleration),
+            Profile::Trapezoid => Dofs::zeros(),
+        }
     }
 
     /// What the force laws ask for at the ticks `reached`.

@@ -132,10 +132,10 @@ fn noise_watch(scenario: &Scenario, seed: i64) -> Alarms {
     }
 }
 
-/// Speeds of the approaches in [`accelerations`], m/s: their ramps reach 0.38 to 0.47 m/s^2.
+/// Speeds of the approaches in [`accelerations`], m/s.
 const HARD_SPEEDS_M_PER_S: [f64; 4] = [0.02, 0.05, 0.1, 0.2];
 
-/// The approach through empty space that [`accelerations`] repeats, with as hard ramps as there are: all of the way is
+/// The approach through empty space that [`accelerations`] repeats, with the scenario's own ramps: hardly more than
 /// acceleration, its ringing and braking.
 fn empty_approach(scenario: &Scenario, number: u64) -> Scenario {
     let mut empty = scenario.clone();

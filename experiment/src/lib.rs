@@ -5,6 +5,7 @@ pub mod compare;
 pub mod detection;
 pub mod doctor;
 pub mod figure;
+pub mod free_motion;
 pub mod impact;
 pub mod in_process;
 pub mod launch;

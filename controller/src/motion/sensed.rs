@@ -4,6 +4,7 @@ use crate::Settings;
 use crate::contact::Touch;
 use crate::dofs::{Dofs, NORMAL, Selection, TcpCompliance, displacement};
 use crate::posture::Posture;
+use crate::shaping::Point;
 use spatial::kinematics::{Axes, split};
 use spatial::ports::SampleFlags;
 use spatial::{Deflection, Pose};
@@ -66,8 +67,8 @@ pub(super) struct Contact {
     pub(super) sample_tick: i64,
     /// Tick of the cycle that learned of it.
     pub(super) cycle_tick: i64,
-    /// How far the way had led then, m.
-    pub(super) distance_m: f64,
+    /// Where on its way the robot will be then, when what it is told can act.
+    pub(super) met: Point,
     /// Whether the tool has lost the object.
     pub(super) lost: bool,
     /// Whether the newest sample shows less force than a contact: the tool may be in the air.
@@ -80,12 +81,13 @@ pub(super) struct Contact {
 const LONGEST_BOUNCE_TICKS: i64 = 30;
 
 impl Contact {
-    /// Detected by the sample of `sample_tick` in the cycle at `cycle_tick`, after `distance_m` (m) of the way.
-    pub(super) fn new(sample_tick: i64, cycle_tick: i64, distance_m: f64) -> Self {
+    /// Detected by the sample of `sample_tick` in the cycle at `cycle_tick`, with the robot at `met` on its way when that can
+    /// act.
+    pub(super) fn new(sample_tick: i64, cycle_tick: i64, met: Point) -> Self {
         Self {
             sample_tick,
             cycle_tick,
-            distance_m,
+            met,
             lost: false,
             airborne: false,
             touched_tick: sample_tick,

@@ -5,6 +5,7 @@ mod calibrate;
 mod compare;
 mod detection;
 mod doctor;
+mod free_motion;
 mod impact;
 mod run;
 
@@ -52,6 +53,7 @@ enum Command {
     Compare(compare::Args),
     Calibrate(calibrate::Args),
     Impact(Box<impact::Args>),
+    FreeMotion(free_motion::Args),
     #[command(subcommand)]
     Bench(bench::Bench),
     Doctor(doctor::Args),
@@ -90,6 +92,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Compare(args) => compare::run(args),
         Command::Calibrate(args) => calibrate::run(args),
         Command::Impact(args) => impact::run(args),
+        Command::FreeMotion(args) => free_motion::run(args),
         Command::Bench(bench) => bench::run(bench),
         Command::Doctor(args) => doctor::run(args),
     };

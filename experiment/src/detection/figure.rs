@@ -27,13 +27,14 @@ pub fn draw(delays: &[Delay], title: &str, path: &Path) -> Result<(), FigureErro
 }
 
 fn drawn(delays: &[Delay], title: &str) -> Drawn<String> {
-    let points = |of: fn(&Delay) -> Option<[f64; 2]>, which: usize| {
+    type Of = fn(&Delay) -> Option<[f64; 2]>;
+    let points = |of: Of, which: usize| {
         delays
             .iter()
             .filter_map(move |delay| Some((1e3 * delay.speed_m_per_s, 1e3 * of(delay)?[which])))
             .collect::<Vec<_>>()
     };
-    let curves: [(fn(&Delay) -> Option<[f64; 2]>, RGBColor, &str); 2] = [
+    let curves: [(Of, RGBColor, &str); 2] = [
         (|delay| delay.threshold_s, ALONE, "threshold alone"),
         (|delay| delay.both_s, BOTH, "threshold and cumulative sum"),
     ];

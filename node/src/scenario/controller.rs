@@ -3,14 +3,14 @@
 use super::check::{Conflicts, short};
 use super::{
     Adaptation, AssumedGears, Collision, Cusum, ElasticLaw, ExpectedFrom, Law, Limits, ObjectMotion, Pairing,
-    Scenario, SensorOutput, Transform, schema,
+    Scenario, SensorOutput, Shaping, Transform, schema,
 };
 
 schema::section! {
     /// The control law and what it assumes of robot, sensor and tool.
     Controller at "controller" with pd: Pd, proposed: Proposed, impedance: Impedance, expected: Expected,
-        servo: AssumedServo, gears: AssumedGears, elastic: ElasticLaw, adaptation: Adaptation, impact: Impact,
-        cusum: Cusum, collision: Collision, limits: Limits {
+        servo: AssumedServo, gears: AssumedGears, elastic: ElasticLaw, shaping: Shaping, adaptation: Adaptation,
+        impact: Impact, cusum: Cusum, collision: Collision, limits: Limits {
         /// Control law.
         law: Law = Law::Proposed;
         /// Which actual pose is taken to belong to a deflection.

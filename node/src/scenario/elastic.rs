@@ -1,10 +1,12 @@
 //! The sections `[controller.gears]` and `[controller.elastic]`: what is assumed of elastic gears, and the law for them.
 
-use super::schema;
+use super::{Gears, schema};
 
 schema::section! {
     /// What the controller assumes of the gears; motors and links are those of `[controller.servo]`.
     AssumedGears at "controller.gears" {
+        /// What is assumed to join motor and link in free motion; the law `elastic` assumes elastic gears anyway.
+        kind: Gears = Gears::Rigid;
         /// Assumed natural frequency of each link on its elastic gear, motor locked.
         frequency_hz: [f64; 6] = [14.0, 14.0, 14.0, 20.0, 20.0, 20.0], in 0.5..=500.0;
         /// Assumed inertia that couples the links where the task begins: axis 1 with 2 to 6, 2 with 3 to 6, and so on.

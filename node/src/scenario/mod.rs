@@ -24,6 +24,7 @@ mod reach;
 mod read;
 mod robot;
 mod schema;
+mod shaping;
 mod task;
 #[cfg(test)]
 mod tests;
@@ -31,8 +32,8 @@ mod value;
 
 pub use adaptation::Adaptation;
 pub use choice::{
-    ExpectedFrom, Gears, Kinematics, ObjectMotion, Pairing, SensorOutput, TaskKind, TimingMode, ToolShape,
-    Transform,
+    ExpectedFrom, Gears, Kinematics, ObjectMotion, Pairing, Profile, SensorOutput, TaskKind, TimingMode,
+    ToolShape, Transform,
 };
 pub use controller::{AssumedServo, Controller, Expected, Impact, Impedance, Pd, Proposed};
 pub use elastic::{AssumedGears, ElasticLaw};
@@ -41,6 +42,7 @@ pub use object_sensor::ObjectSensor;
 pub use protection::{Collision, Cusum, Limits};
 pub use robot::Drives;
 pub use schema::{Allowed, Key};
+pub use shaping::Shaping;
 pub use spatial::ports::Law;
 pub use task::{ForceControlled, Task};
 
