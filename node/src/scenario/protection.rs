@@ -117,7 +117,7 @@ impl Scenario {
         let (controller, parameters) = (&self.controller, &self.controller.impedance);
         let [x, y, z] = controller.tcp_in_s_m;
         let lever = [y * y + z * z, x * x + z * z, x * x + y * y];
-        for (i, _) in task_dofs(self) {
+        for i in (0..6).filter(|&i| self.task.force_controlled.dofs()[i]) {
             let (mass, damping, stiffness, compliance, key) = if i < 3 {
                 let compliance = controller.compliance_m_per_n + controller.compliance_rad_per_nm * lever[i];
                 (
@@ -153,10 +153,4 @@ impl Scenario {
             );
         }
     }
-}
-
-/// The degrees of freedom that are force controlled, each kind once.
-fn task_dofs(scenario: &Scenario) -> impl Iterator<Item = (usize, bool)> {
-    let dofs = scenario.task.force_controlled.dofs();
-    (0..6).zip(dofs).filter(|(_, selected)| *selected)
 }

@@ -230,6 +230,7 @@ const UNITS: &[(&str, &str)] = &[
     ("_nm_per_rad", "Nm/rad"),
     ("_nms_per_rad", "Nms/rad"),
     ("_ns_per_m", "Ns/m"),
+    ("_per_h", "1/h"),
     ("_per_s", "1/s"),
     ("_periods", "periods"),
     ("_rad", "rad"),
