@@ -298,6 +298,11 @@ mod tests {
                 "controller.adaptation.maximum_ratio",
                 "controller.impact.exponent",
                 "controller.impact.rebound_ratio",
+                "controller.cusum.enabled",
+                "controller.collision.enabled",
+                "controller.limits.velocity_ratio",
+                "controller.limits.lead_ratio",
+                "controller.limits.reversal_ratio",
             ]
         );
     }
