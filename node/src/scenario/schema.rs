@@ -230,6 +230,7 @@ const UNITS: &[(&str, &str)] = &[
     ("_nm_per_rad", "Nm/rad"),
     ("_nms_per_rad", "Nms/rad"),
     ("_ns_per_m", "Ns/m"),
+    ("_per_h", "1/h"),
     ("_per_s", "1/s"),
     ("_periods", "periods"),
     ("_rad", "rad"),
@@ -303,6 +304,11 @@ mod tests {
                 "controller.adaptation.maximum_ratio",
                 "controller.impact.exponent",
                 "controller.impact.rebound_ratio",
+                "controller.cusum.enabled",
+                "controller.collision.enabled",
+                "controller.limits.velocity_ratio",
+                "controller.limits.lead_ratio",
+                "controller.limits.reversal_ratio",
             ]
         );
     }
