@@ -8,7 +8,8 @@
 //! | actual pose and deflection at the same instant | [`pairing`] | below (2) |
 //! | object expected before the contact | [`expectation`], [`approach`] | II-B, IV-C, footnote 3 |
 //! | free motion that leaves nothing swinging | [`shaping`], [`approach`] | VI |
-//! | contact or not | [`detection`] | V |
+//! | contact or not; collision | [`detection`], [`collision`] | V |
+//! | limits of the command | [`limits`] | |
 //! | between sensor and tcp | [`transform`] | (3)-(12) |
 //! | force controlled or not, per degree of freedom | [`dofs`] | III |
 //! | the laws behind one interface | [`law`] | |
@@ -29,6 +30,7 @@
 pub mod adaptation;
 pub mod approach;
 pub mod calibration;
+pub mod collision;
 pub mod command_dynamics;
 pub mod contact;
 pub mod detection;
@@ -42,6 +44,7 @@ pub mod fzi;
 pub mod impact;
 pub mod impedance;
 pub mod law;
+pub mod limits;
 pub mod literal;
 pub mod object_model;
 pub mod pairing;
@@ -55,10 +58,13 @@ pub mod tilting;
 pub mod transform;
 
 mod motion;
+mod protection;
 mod sensing;
 mod status;
 
+use collision::CollisionWatch;
 use expectation::Expectation;
+use limits::Limits;
 use motion::{Motion, Sample};
 use nalgebra::Vector3;
 use node::scenario::{self, Pairing, Scenario, TaskKind};
@@ -66,8 +72,8 @@ use pairing::EncoderHistory;
 use sensing::Sensing;
 use spatial::kinematics::{Axes, Kinematics};
 use spatial::ports::{
-    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, HORIZON, Law,
-    ObjectPose, RobotState,
+    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, Law, ObjectPose,
+    RobotState,
 };
 use spatial::{Compliance, TICK_S, TICK_US, Wrench};
 use std::f64::consts::TAU;
@@ -102,6 +108,10 @@ pub struct Controller {
     motion: Option<Motion>,
     /// The way of a calibration, until it is done.
     tilting: Option<Tilting>,
+    collision: CollisionWatch,
+    /// The last stage before a command leaves.
+    bounds: Limits,
+    /// Bits of the limits that bind.
     limits: i32,
 }
 
@@ -124,6 +134,15 @@ impl Settings {
     /// Periods from a cycle to the instant at which its first set-point is reached.
     fn lead(&self) -> i64 {
         self.controller.command_delay_periods + 1
+    }
+
+    /// The speed (m/s) at which the command is as far ahead of the actual pose as it may be, but for what acceleration
+    /// adds: the tcp is sent where it arrives after the dead time, and the command filter lags by `2 zeta / w`. Faster, the
+    /// way would wait and go on again and again.
+    fn fastest_m_per_s(&self) -> f64 {
+        let controller = &self.controller;
+        let lag_s = 2.0 * controller.filter_damping / (TAU * controller.filter_frequency_hz);
+        0.97 * controller.max_lead_m / (self.lead() as f64 * self.period_s() + lag_s)
     }
 
     /// T, s.
@@ -172,6 +191,8 @@ impl Controller {
             commanded: Axes::zeros(),
             motion: None,
             tilting: None,
+            collision: CollisionWatch::new(controller, &scenario.task),
+            bounds: Limits::new(scenario, &Axes::zeros()),
             limits: 0,
         }
     }
@@ -194,6 +215,7 @@ impl Controller {
         if self.phase == ControllerPhase::Init {
             self.start = state.axis_position[0];
             self.commanded = self.start;
+            self.bounds.begin(&self.start);
             self.phase = ControllerPhase::Sync;
         }
         for sample in deflections.samples.iter().rev() {
@@ -243,6 +265,7 @@ impl Controller {
             None if self.phase == ControllerPhase::Calibrate => {}
             None => self.sensing.take_free(motion.normal_force_n()),
         }
+        self.watch_for_collision(&taken);
     }
 
     /// The axes that belong to a sample, and when (s): those at its instant, less what the sensor's low pass delays.
@@ -265,7 +288,9 @@ impl Controller {
             ControllerPhase::Sync if time >= settings.controller.tare_s => {
                 if let Some(noise_m) = self.sensing.finish_tare(settings.controller.tare_s) {
                     let zero = self.sensing.zero();
-                    self.motion = Some(Motion::new(settings, &zero, noise_m, &self.start));
+                    let motion = Motion::new(settings, &zero, noise_m, &self.start);
+                    self.bounds.hang(motion.hanging_in_s());
+                    self.motion = Some(motion);
                     self.tilting = Tilting::of(settings, &self.start);
                     self.phase = ControllerPhase::Ready;
                 }
@@ -335,35 +360,6 @@ impl Controller {
         if self.fault == Fault::None {
             self.fault = fault;
         }
-    }
-
-    /// The next set-points of the axes, one period apart. A pose that kinematics can't reach latches a fault. After any
-    /// fault the axes stay at the set-point last given.
-    fn set_points(&mut self, tick: i64, actual: &Axes) -> [Axes; HORIZON] {
-        self.limits = 0;
-        let held = [self.commanded; HORIZON];
-        let Some(motion) = &mut self.motion else {
-            return held;
-        };
-        if self.fault != Fault::None {
-            return held;
-        }
-        let settings = &self.settings;
-        let answer = match &mut self.tilting {
-            Some(tilting) if self.phase == ControllerPhase::Calibrate => {
-                tilting.set_points(settings, actual, &self.commanded)
-            }
-            _ => motion.set_points(settings, &self.expectation, tick, actual),
-        };
-        let Ok((set_points, bound)) = answer else {
-            self.fail(Fault::Unreachable);
-            return held;
-        };
-        if bound {
-            self.limits |= status::LIMIT_LEAD;
-        }
-        self.commanded = set_points[0];
-        set_points
     }
 }
 

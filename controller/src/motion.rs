@@ -1,5 +1,6 @@
 //! The task once the tare is known: approach, contact, and the way from the tcp's coordinates to axes.
 
+mod bounds;
 mod path;
 mod plan;
 mod sensed;
@@ -18,6 +19,7 @@ use crate::elastic::Elastic;
 use crate::expectation::Expectation;
 use crate::impact::ImpactMonitor;
 use crate::law::{ForceControl, feeds_forward};
+use crate::limits::Limits;
 use crate::posture::Posture;
 use crate::shaping::swing::Swing;
 use crate::shaping::{Point, Shape};
@@ -27,7 +29,7 @@ use path::{Path, since};
 use plan::{Plan, bound_lead};
 use sensed::{Contact, Sensed};
 use spatial::kinematics::{Axes, Unreachable, join, split};
-use spatial::ports::{HORIZON, Law, SampleFlags};
+use spatial::ports::{HORIZON, LIMIT_LEAD, Law, SampleFlags};
 use spatial::{Compliance, Deflection, Pose, TICK_S, Wrench};
 use std::f64::consts::TAU;
 
@@ -62,10 +64,6 @@ pub(crate) struct Motion {
     settled_cycles: i64,
 }
 
-/// The least detection threshold, in standard deviations of the noise: whatever compliance is assumed, noise is no
-/// contact. Three false alarms in a million samples.
-const ABOVE_NOISE: f64 = 4.5;
-
 impl Motion {
     /// At rest at the axes `start`, with the deflection `tare` there, which shows a noise of `noise_m` (m rms) along the
     /// normal.
@@ -96,12 +94,6 @@ impl Motion {
         let compliance = tcp_compliance(&settings.compliance, &posture, &r_from_s, &selection);
         let noise_n = noise_m / compliance.along(NORMAL);
         let elastic = settings.elastic.clone().map(Elastic::new);
-        // What the tool's inertia deflects looks like as much more force as the sensor is softer than assumed.
-        let softer = if controller.adaptation.enabled {
-            controller.adaptation.maximum_ratio
-        } else {
-            1.0
-        };
         Self {
             frame,
             selection,
@@ -120,11 +112,7 @@ impl Motion {
                 *start,
             ),
             disturbance: Disturbance::new(&controller.servo),
-            detector: Detector::new(
-                controller.detection_threshold_n.max(ABOVE_NOISE * noise_n),
-                controller.apparent_mass_kg * softer,
-                controller.detection_fading_s,
-            ),
+            detector: Detector::of(controller, noise_n),
             force_control: ForceControl::new(controller, selection, elastic),
             impact,
             contact: None,
@@ -161,7 +149,8 @@ impl Motion {
             let object = object_velocity.map_or(0.0, |velocity| velocity[NORMAL]);
             impact.take(sample.time_s, heights, object);
         }
-        if approaching && self.contact.is_none() && sensed.normal_force_n > self.detector.threshold_n() {
+        let looking = approaching && self.contact.is_none();
+        if self.detector.take(sensed.normal_force_n, looking) {
             let reached = tick + settings.lead() * settings.period_ticks;
             let met = self
                 .path
@@ -216,14 +205,15 @@ impl Motion {
         self.settled_cycles
     }
 
-    /// The next set-points of the axes, one period apart, and whether the bound of command minus actual binds.
+    /// The next set-points of the axes, one period apart, within `limits`, and the bits of the limits that bind.
     pub(crate) fn set_points(
         &mut self,
         settings: &Settings,
         expectation: &Expectation,
+        limits: &mut Limits,
         tick: i64,
         actual: &Axes,
-    ) -> Result<([Axes; HORIZON], bool), Unreachable> {
+    ) -> Result<([Axes; HORIZON], i32), Unreachable> {
         // The first set-point is reached n_d + 1 periods from now.
         let reached: [i64; PREVIEW] =
             std::array::from_fn(|i| tick + (settings.lead() + i as i64) * settings.period_ticks);
@@ -243,6 +233,7 @@ impl Motion {
                 all[NORMAL] = all[NORMAL].max(lowest);
             }
         }
+        let mut bits = self.bound(settings, limits, &mut coordinates);
         let kinematics = &settings.kinematics;
         let axes = self
             .plan
@@ -273,6 +264,8 @@ impl Motion {
             // The way waits for a robot that does not follow.
             path.wait(settings.period_ticks);
         }
+        let limited = limits.apply(tick, &mut set_points);
+        bits |= limited | if bound { LIMIT_LEAD } else { 0 };
         let acceleration = self.dynamics.advance(&set_points[0]);
         if self.contact.is_none() {
             let acceleration = self.tcp_acceleration(settings, &set_points[0], &acceleration);
@@ -280,7 +273,7 @@ impl Motion {
         } else {
             self.detector.follow(0.0, settings.period_ticks);
         }
-        let commanded = if bound {
+        let commanded = if bound || limited != 0 {
             let r_from_s = kinematics.forward(&set_points[0]);
             self.frame.coordinates(&self.posture.hanging_tcp(&r_from_s))
         } else {
@@ -291,7 +284,7 @@ impl Motion {
             axes,
             commanded,
         };
-        Ok((set_points, bound))
+        Ok((set_points, bits))
     }
 
     /// Tell the law where the command filters will be at `tick`, when the next set-point begins to act.

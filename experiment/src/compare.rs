@@ -230,6 +230,8 @@ mod tests {
     fn a_latched_fault_is_no_good_run() {
         let outcome = metrics(&scenario(&[
             "robot.gantry.axis_maximum_rad=[1.0,1.0,1.0,1.5,0.001,1.5]",
+            // The controller, which would not go there, is to think that the axes reach further.
+            "controller.limits.axis_margin_rad=-0.1",
         ]));
         assert!(
             matches!(

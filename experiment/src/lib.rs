@@ -2,6 +2,7 @@
 
 pub mod calibrate;
 pub mod compare;
+pub mod detection;
 pub mod doctor;
 pub mod figure;
 pub mod free_motion;

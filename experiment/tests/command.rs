@@ -107,7 +107,10 @@ fn runs_without_contact_fail_by_name() {
     let (code, stdout, _) = touchdown(&format!("{arguments} --json"));
     let report: Value = serde_json::from_str(&stdout).unwrap();
     assert_eq!(code, 1);
-    assert_keys(&report["failures"][1], "robot kinematics law gains phase seed reason");
+    assert_keys(
+        &report["failures"][1],
+        "robot kinematics law gains phase seed reason",
+    );
 }
 
 #[test]

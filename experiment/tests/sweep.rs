@@ -108,8 +108,8 @@ fn grid(scenario: &Scenario, steps: usize) -> Vec<Vec<String>> {
     points
 }
 
-/// The peers' tuned rows are as good as an independent coarse grid finds them: on runs that neither has seen before, no
-/// point of it is better by more than 5 %.
+/// The peers' tuned rows are as good as an independent coarse grid finds them: on runs that neither has seen before, the
+/// best of it is not better by more than 5 %.
 #[test]
 fn no_coarse_grid_finds_better_gains_for_the_peers() {
     let tuned = Tuned::built_in().unwrap();
@@ -121,15 +121,20 @@ fn no_coarse_grid_finds_better_gains_for_the_peers() {
         let mut scenario = Source::find("paper").unwrap().scenario(&overrides).unwrap();
         scenario.task.start_position_m[2] = 0.0175;
         scenario.timing.duration_s = 2.4;
+        // The grid chooses by runs of its own, too; then both are judged on more that neither has seen.
+        let chosen = grid(&scenario, steps)
+            .iter()
+            .map(|point| scenario.with(point).unwrap())
+            .map(|tried| (judge(&tried, Set::Training, 2), tried))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .unwrap()
+            .1;
         let found = judge(
             &tuned.apply(Gains::Tuned, &scenario).unwrap().unwrap(),
             Set::HeldOut,
-            2,
+            12,
         );
-        let best = grid(&scenario, steps)
-            .iter()
-            .map(|point| judge(&scenario.with(point).unwrap(), Set::HeldOut, 2))
-            .fold(f64::INFINITY, f64::min);
+        let best = judge(&chosen, Set::HeldOut, 12);
         println!("{law}: tuned {found}, grid {best}");
         assert!(found <= 1.05 * best, "{law}: tuned {found}, grid {best}");
     }

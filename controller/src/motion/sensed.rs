@@ -71,6 +71,8 @@ pub(super) struct Contact {
     pub(super) met: Point,
     /// Whether the tool has lost the object.
     pub(super) lost: bool,
+    /// Whether the newest sample shows less force than a contact: the tool may be in the air.
+    pub(super) airborne: bool,
     /// Tick of the newest sample in contact.
     touched_tick: i64,
 }
@@ -87,6 +89,7 @@ impl Contact {
             cycle_tick,
             met,
             lost: false,
+            airborne: false,
             touched_tick: sample_tick,
         }
     }
@@ -103,7 +106,9 @@ impl Contact {
         } else {
             split(&sensed.wrench).0.norm()
         };
-        if force_n >= least_n {
+        self.airborne = force_n < least_n;
+        // What the cumulative sum has detected is a contact, however small.
+        if !self.airborne || sensed.sample.tick == self.sample_tick {
             self.touched_tick = sensed.sample.tick;
         }
         match sensed.sample.tick - self.touched_tick {

@@ -53,6 +53,16 @@ impl Motion {
         self.detector.threshold_n()
     }
 
+    /// The force that the recent accelerations can cause, N.
+    pub(crate) fn raised_n(&self) -> f64 {
+        self.detector.raised_n()
+    }
+
+    /// The tcp of the hanging tool in s, m.
+    pub(crate) fn hanging_in_s(&self) -> Vector3<f64> {
+        self.posture.hanging_tcp(&Pose::identity()).translation.vector
+    }
+
     pub(crate) fn saturated(&self) -> bool {
         self.newest.sample.flags.saturated
     }
@@ -65,12 +75,12 @@ impl Motion {
             .unwrap_or_default()
     }
 
-    /// Whether the allowed force of the impact slows the approach.
+    /// Whether the allowed force of the impact, or the bound of command minus actual, slows the approach.
     pub(crate) fn slowed(&self, settings: &Settings) -> bool {
         let requested = settings.task.approach_speed_m_per_s;
-        self.impact
-            .as_ref()
-            .is_some_and(|impact| impact.allowed_speed_m_per_s(requested) < requested)
+        let impact = self.impact.as_ref();
+        settings.fastest_m_per_s() < requested
+            || impact.is_some_and(|impact| impact.allowed_speed_m_per_s(requested) < requested)
     }
 
     pub(crate) fn in_contact(&self) -> bool {

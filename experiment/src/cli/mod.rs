@@ -3,6 +3,7 @@
 mod bench;
 mod calibrate;
 mod compare;
+mod detection;
 mod doctor;
 mod free_motion;
 mod impact;

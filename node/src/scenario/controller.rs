@@ -2,15 +2,15 @@
 
 use super::check::{Conflicts, short};
 use super::{
-    Adaptation, AssumedGears, ElasticLaw, ExpectedFrom, Law, ObjectMotion, Pairing, Scenario, SensorOutput,
-    Shaping, Transform, schema,
+    Adaptation, AssumedGears, Collision, Cusum, ElasticLaw, ExpectedFrom, Law, Limits, ObjectMotion, Pairing,
+    Scenario, SensorOutput, Shaping, Transform, schema,
 };
 
 schema::section! {
     /// The control law and what it assumes of robot, sensor and tool.
     Controller at "controller" with pd: Pd, proposed: Proposed, impedance: Impedance, ros2: Ros2, fzi: Fzi,
         expected: Expected, servo: AssumedServo, gears: AssumedGears, elastic: ElasticLaw, shaping: Shaping,
-        adaptation: Adaptation, impact: Impact {
+        adaptation: Adaptation, impact: Impact, cusum: Cusum, collision: Collision, limits: Limits {
         /// Control law.
         law: Law = Law::Proposed;
         /// Which actual pose is taken to belong to a deflection.

@@ -19,6 +19,7 @@ mod estimate;
 mod hash;
 mod names;
 mod object_sensor;
+mod protection;
 mod reach;
 mod read;
 mod robot;
@@ -38,6 +39,7 @@ pub use controller::{AssumedServo, Controller, Expected, Fzi, Impact, Impedance,
 pub use elastic::{AssumedGears, ElasticLaw};
 pub use error::ScenarioError;
 pub use object_sensor::ObjectSensor;
+pub use protection::{Collision, Cusum, Limits};
 pub use robot::Drives;
 pub use schema::{Allowed, Key};
 pub use shaping::Shaping;

@@ -230,14 +230,15 @@ const UNITS: &[(&str, &str)] = &[
     ("_nm_per_rad", "Nm/rad"),
     ("_nms_per_rad", "Nms/rad"),
     ("_ns_per_m", "Ns/m"),
+    ("_per_h", "1/h"),
     ("_per_s", "1/s"),
     ("_periods", "periods"),
     ("_rad", "rad"),
     ("_rad_per_nm", "rad/Nm"),
     ("_rad_per_s", "rad/s"),
     ("_rad_per_s2", "rad/s^2"),
-    ("_s", "s"),
     ("_s2", "s^2"),
+    ("_s", "s"),
     ("_ticks", "ticks"),
 ];
 
@@ -298,6 +299,7 @@ mod tests {
                 "controller.expected.filter_gain",
                 "controller.gears.damping_ratio",
                 "controller.elastic.contact_weight",
+                "controller.elastic.linear_range",
                 "controller.elastic.mode_spread",
                 "controller.elastic.likelihood_memory",
                 "controller.shaping.mode_error",
@@ -307,6 +309,11 @@ mod tests {
                 "controller.adaptation.maximum_ratio",
                 "controller.impact.exponent",
                 "controller.impact.rebound_ratio",
+                "controller.cusum.enabled",
+                "controller.collision.enabled",
+                "controller.limits.velocity_ratio",
+                "controller.limits.lead_ratio",
+                "controller.limits.reversal_ratio",
             ]
         );
     }
