@@ -22,7 +22,7 @@ help: ## list the targets (default)
 
 demo: ## the paper's experiment with both laws, as three processes over LCM: table, figure, data in target/demo
 	@$(build)
-	@$(touchdown) run arm --laws proposed,pd --out target/demo
+	@$(touchdown) run elastic_arm --laws elastic,pd --out target/demo
 
 laws: ## every law on every robot over contact phases and seeds: docs/laws.txt
 	@$(build)
@@ -47,7 +47,7 @@ maps: ## every law over contact, delay, robot, gears and period, thousands of ru
 free-motion: ## what free motion leaves swinging, shaped and not, on every robot: docs/free-motion.txt
 	@$(build)
 	@{ $(touchdown) free-motion paper && $(touchdown) free-motion elastic && $(touchdown) free-motion arm && \
-	   $(touchdown) free-motion arm --set robot.gears=elastic --set controller.gears.kind=elastic; } \
+	   $(touchdown) free-motion elastic_arm; } \
 	   >target/free-motion.txt
 	@mv target/free-motion.txt docs/free-motion.txt
 	@cat docs/free-motion.txt

@@ -5,7 +5,7 @@
 use experiment::in_process;
 use experiment::scenarios::Source;
 use spatial::ports::{
-    ControllerPhase, ControllerStatus, Fault, LIMIT_AXIS, LIMIT_COLLISION_FORCE_X, LIMIT_SEEK,
+    ControllerPhase, ControllerStatus, Fault, LIMIT_AXIS, LIMIT_COLLISION_FORCE_X,
     LIMIT_WORKSPACE,
 };
 

@@ -12,14 +12,14 @@ const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 
 #[test]
 fn the_readme_shows_what_make_demo_shows() {
-    let text = experiment::scenarios::Source::find("arm").unwrap().text;
+    let text = experiment::scenarios::Source::find("elastic_arm").unwrap().text;
     let (mut rows, mut curves) = (Vec::new(), Vec::new());
-    for law in ["proposed", "pd"] {
-        let scenario = Scenario::parse("arm", &text, &[format!("controller.law={law}")]).unwrap();
+    for law in ["elastic", "pd"] {
+        let scenario = Scenario::parse("elastic_arm", &text, &[format!("controller.law={law}")]).unwrap();
         let entries = transcript::in_process(&scenario).unwrap();
         let (recording, measured) = Recording::from_transcript(&scenario, &entries);
         let metrics = recording.metrics().unwrap();
-        rows.push(Row::single("rigid", "arm", law, metrics));
+        rows.push(Row::single("elastic", "arm", law, metrics));
         curves.push(LabelledCurve::new(law, &scenario, &recording, measured).unwrap());
     }
     let table = Table(&rows).to_string();
