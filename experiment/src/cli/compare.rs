@@ -101,7 +101,7 @@ fn caption(args: &Args) -> String {
 }
 
 /// On a terminal, and nowhere else.
-fn progress(runs: usize) -> ProgressBar {
+pub(super) fn progress(runs: usize) -> ProgressBar {
     if !stderr().is_terminal() {
         return ProgressBar::hidden();
     }

@@ -1,8 +1,10 @@
 //! The command line: one file per subcommand.
 
 mod bench;
+mod bound;
 mod calibrate;
 mod compare;
+mod conditions;
 mod doctor;
 mod free_motion;
 mod impact;
@@ -11,6 +13,7 @@ mod run;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use controller::impact::ImpactError;
+use experiment::bound::BoundError;
 use experiment::impact::LibraryError;
 use experiment::launch::LaunchError;
 use experiment::scenarios::{Source, SourceError};
@@ -53,6 +56,8 @@ enum Command {
     Calibrate(calibrate::Args),
     Impact(Box<impact::Args>),
     FreeMotion(free_motion::Args),
+    Bound(bound::Args),
+    Conditions(conditions::Args),
     #[command(subcommand)]
     Bench(bench::Bench),
     Doctor(doctor::Args),
@@ -92,6 +97,8 @@ pub(crate) fn main() -> ExitCode {
         Command::Calibrate(args) => calibrate::run(args),
         Command::Impact(args) => impact::run(args),
         Command::FreeMotion(args) => free_motion::run(args),
+        Command::Bound(args) => bound::run(args),
+        Command::Conditions(args) => conditions::run(args),
         Command::Bench(bench) => bench::run(bench),
         Command::Doctor(args) => doctor::run(args),
     };
@@ -111,6 +118,7 @@ pub(crate) fn main() -> ExitCode {
                 || cause.is::<Unanswerable>()
                 || cause.is::<LibraryError>()
                 || cause.is::<ImpactError>()
+                || cause.is::<BoundError>()
         };
         let wrong_usage = error.chain().any(configuration);
         ExitCode::from(if wrong_usage { WRONG_USAGE } else { FAILED })
