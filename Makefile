@@ -9,7 +9,7 @@ touchdown := target/release/touchdown
 
 all_laws := pd,pd-reset,literal,proposed,impedance
 
-.PHONY: help demo laws free-motion test bits bench doctor check format lint doc clean
+.PHONY: help demo laws elastic free-motion test bits bench doctor check format lint doc clean
 
 help: ## list the targets (default)
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 13
@@ -25,6 +25,14 @@ laws: ## every law on every robot over contact phases and seeds: docs/laws.txt
 	   $(touchdown) compare elastic --robots elastic --kinematics gantry,arm --laws $(all_laws); } >target/laws.txt
 	@mv target/laws.txt docs/laws.txt
 	@cat docs/laws.txt
+
+elastic: ## the law elastic, a tuned pd and the lower bound under 23 conditions on elastic robots: docs/elastic.txt
+	@$(build)
+	@{ $(touchdown) bound paper && $(touchdown) bound arm && $(touchdown) bound elastic && \
+	   $(touchdown) bound elastic_arm && $(touchdown) conditions elastic --set timing.seed=1001 && \
+	   $(touchdown) conditions elastic_arm --set timing.seed=1001; } >target/elastic.txt
+	@mv target/elastic.txt docs/elastic.txt
+	@cat docs/elastic.txt
 
 free-motion: ## what free motion leaves swinging, shaped and not, on every robot: docs/free-motion.txt
 	@$(build)

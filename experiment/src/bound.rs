@@ -69,9 +69,6 @@ pub struct Bound {
     pub with_least_iae: Figures,
     /// The smallest force between tool and object in that motion once commands act, N: below zero, a real tool leaves it.
     pub least_contact_n: f64,
-    /// All figures of the motion with the least IAE of those that keep the tool on the object once commands act; `None`:
-    /// there is no such motion.
-    pub touching: Option<Figures>,
 }
 
 /// Why there is no bound.
@@ -148,7 +145,7 @@ pub fn bound(scenario: &Scenario) -> Result<Bound, BoundError> {
         reach: columns(&hat),
         desired: scenario.task.desired_force_n,
     };
-    let best = programme.least_sum(None).map_err(BoundError::Unsolved)?;
+    let best = programme.least_sum().map_err(BoundError::Unsolved)?;
     let with_least_iae = figures(&programme.forces(&best), programme.desired);
     // From the first tick on at which a command has acted.
     let first = acts / STEPS_PER_TICK + 1;
@@ -157,11 +154,6 @@ pub fn bound(scenario: &Scenario) -> Result<Bound, BoundError> {
         free: later(at_ticks(&contact)),
         reach: columns(&hat_contact).into_iter().map(later).collect(),
         desired: 0.0,
-    };
-    let touching = match programme.least_sum(Some(&contact)) {
-        Ok(best) => Some(figures(&programme.forces(&best), programme.desired)),
-        Err(SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible) => None,
-        Err(status) => return Err(BoundError::Unsolved(status)),
     };
     let settled = |band: f64| least_settling(&programme, band * programme.desired, first - 1);
     let least_settling = |band: f64| settled(band).map_err(BoundError::Unsolved);
@@ -176,7 +168,6 @@ pub fn bound(scenario: &Scenario) -> Result<Bound, BoundError> {
         },
         least_contact_n: contact.forces(&best).into_iter().fold(f64::INFINITY, f64::min),
         with_least_iae,
-        touching,
     })
 }
 
@@ -313,7 +304,7 @@ impl Display for Bound {
         }
         writeln!(
             f,
-            "\nwith the least IAE the contact force is at least {:.1} N once commands act; touching: at least 0",
+            "\nwith the least IAE the contact force is at least {:.1} N once commands act",
             self.least_contact_n
         )
     }

@@ -26,35 +26,31 @@ impl Programme {
         forces
     }
 
-    /// The accelerations (share of the limit) with the least sum of `|f - f_d|`, such that the force of `touching` is
-    /// nowhere negative.
-    pub fn least_sum(&self, touching: Option<&Self>) -> Result<Vec<f64>, SolverStatus> {
+    /// The accelerations (share of the limit) with the least sum of `|f - f_d|`.
+    pub fn least_sum(&self) -> Result<Vec<f64>, SolverStatus> {
         let instants = self.free.len();
-        let mut rows: Vec<Row> = (0..instants)
-            .flat_map(|i| [1.0, -1.0].map(|sign| self.row(i, sign, Some(i))))
+        let rows: Vec<Row> = (0..instants)
+            .flat_map(|i| [1.0, -1.0].map(|sign| self.row(i, sign, i)))
             .collect();
-        if let Some(touching) = touching {
-            rows.extend((0..touching.free.len()).map(|i| touching.row(i, -1.0, None)));
-        }
         Ok(solve(&rows, self.reach.len(), instants)?.0)
     }
 
     /// The least possible largest `|f - f_d|` from the instant `from` on, N.
     pub fn least_error(&self, from: usize) -> Result<f64, SolverStatus> {
         let rows: Vec<Row> = (from..self.free.len())
-            .flat_map(|i| [1.0, -1.0].map(|sign| self.row(i, sign, Some(0))))
+            .flat_map(|i| [1.0, -1.0].map(|sign| self.row(i, sign, 0)))
             .collect();
         Ok(solve(&rows, self.reach.len(), 1)?.1)
     }
 
     /// The least possible largest force, N, at least the desired one.
     pub fn least_peak(&self) -> Result<f64, SolverStatus> {
-        let rows: Vec<Row> = (0..self.free.len()).map(|i| self.row(i, 1.0, Some(0))).collect();
+        let rows: Vec<Row> = (0..self.free.len()).map(|i| self.row(i, 1.0, 0)).collect();
         Ok(self.desired + solve(&rows, self.reach.len(), 1)?.1)
     }
 
     /// `sign (f - f_d) <= slack` at the instant `i`.
-    fn row(&self, i: usize, sign: f64, slack: Option<usize>) -> Row {
+    fn row(&self, i: usize, sign: f64, slack: usize) -> Row {
         Row {
             reach: self.reach.iter().map(|column| sign * column[i]).collect(),
             slack,
@@ -66,7 +62,7 @@ impl Programme {
 /// `reach . a - slack <= limit`.
 struct Row {
     reach: Vec<f64>,
-    slack: Option<usize>,
+    slack: usize,
     limit: f64,
 }
 
@@ -78,23 +74,33 @@ fn solve(rows: &[Row], knots: usize, slacks: usize) -> Result<(Vec<f64>, f64), S
     limits.extend(std::iter::repeat_n(1.0, 2 * knots));
     limits.extend(std::iter::repeat_n(0.0, slacks));
 
+    // The unknowns are not the accelerations, whose effects are ways that grow for ever, but the ways' coefficients c of
+    // cubic B-splines, whose effects are local: a_k = c_k - 2 c_(k-1) + c_(k-2).
+    let local = |reach: &[f64], knot: usize| {
+        let at = |i: usize| reach.get(i).copied().unwrap_or(0.0);
+        at(knot) - 2.0 * at(knot + 1) + at(knot + 2)
+    };
     // By columns, as the solver takes it: rows, upper and lower limits, signs of the slacks.
     let (mut starts, mut places, mut values) = (vec![0], Vec::new(), Vec::new());
     for knot in 0..knots {
-        for (place, row) in rows.iter().enumerate().filter(|(_, row)| row.reach[knot] != 0.0) {
-            places.push(place);
-            values.push(row.reach[knot]);
+        for (place, row) in rows.iter().enumerate() {
+            let value = local(&row.reach, knot);
+            if value != 0.0 {
+                places.push(place);
+                values.push(value);
+            }
         }
-        places.extend([rows.len() + knot, rows.len() + knots + knot]);
-        values.extend([1.0, -1.0]);
+        for (offset, sign) in [(rows.len(), 1.0), (rows.len() + knots, -1.0)] {
+            let bands = [1.0, -2.0, 1.0].into_iter().enumerate();
+            for (behind, band) in bands.take(knots - knot) {
+                places.push(offset + knot + behind);
+                values.push(sign * band);
+            }
+        }
         starts.push(places.len());
     }
     for slack in 0..slacks {
-        for (place, _) in rows
-            .iter()
-            .enumerate()
-            .filter(|(_, row)| row.slack == Some(slack))
-        {
+        for (place, _) in rows.iter().enumerate().filter(|(_, row)| row.slack == slack) {
             places.push(place);
             values.push(-1.0);
         }
@@ -121,7 +127,9 @@ fn solve(rows: &[Row], knots: usize, slacks: usize) -> Result<(Vec<f64>, f64), S
     let found = &solver.solution.x;
     match solver.solution.status {
         SolverStatus::Solved | SolverStatus::AlmostSolved => {
-            Ok((found[..knots].to_vec(), found[knots..].iter().sum()))
+            let before = |knot: usize, back: usize| knot.checked_sub(back).map_or(0.0, |i| found[i]);
+            let accelerations = (0..knots).map(|knot| found[knot] - 2.0 * before(knot, 1) + before(knot, 2));
+            Ok((accelerations.collect(), found[knots..].iter().sum()))
         }
         status => Err(status),
     }
@@ -139,7 +147,7 @@ mod tests {
             reach: vec![vec![-1.0, 2.0]],
             desired: 2.0,
         };
-        let best = programme.least_sum(None).unwrap();
+        let best = programme.least_sum().unwrap();
         assert!((best[0] - 0.5).abs() < 1e-6, "{best:?}");
         // 2 - a = 2 a - 1 at a = 1: one newton too much at both.
         assert!((programme.least_error(0).unwrap() - 1.0).abs() < 1e-6);

@@ -1,7 +1,7 @@
 //! `touchdown conditions`.
 
 use super::compare::progress;
-use super::{FAILED, ScenarioArgs, configuration_hash, distinct, print, print_json, word};
+use super::{ScenarioArgs, configuration_hash, distinct, print, print_json, word};
 use anyhow::Result;
 use experiment::conditions::{ConditionRow, Plan, Report as Table, conditions};
 use serde::Serialize;
@@ -68,6 +68,6 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
             Table(&rows)
         ))?;
     }
-    let failed = rows.iter().any(|row| row.failed > 0);
-    Ok(ExitCode::from(if failed { FAILED } else { 0 }))
+    // A law that fails under a condition is a finding, and a row.
+    Ok(ExitCode::SUCCESS)
 }
