@@ -3,11 +3,14 @@
 //!
 //! Nothing can act before the contact has been detected and a command has gone its way. From then on the acceleration of
 //! the command filters along the normal is free at knots T apart, linear between them and within its limit; the force
-//! follows from the linear plant ([`plant`]). What makes IAE, peak or settling times least is a programme each
+//! follows from the linear plant ([`plant`]). (Set-points
+//! far beyond what is wanted drive the filters into their limit within less than a period; as in PLANT.md, that is left
+//! out. docs/elastic.md says what it is worth.) What makes IAE, peak or settling times least is a programme each
 //! ([`programme`]).
 
 pub mod plant;
 pub mod programme;
+mod text;
 
 use clarabel::solver::SolverStatus;
 use node::scenario::{ExpectedFrom, Scenario, TaskKind};
@@ -16,7 +19,6 @@ use programme::Programme;
 use serde::Serialize;
 use spatial::TICK_S;
 use std::f64::consts::TAU;
-use std::fmt::{Display, Formatter};
 
 /// How long after the contact the force is judged, s: what comes later only adds to the errors.
 const HORIZON_S: f64 = 0.3;
@@ -265,47 +267,5 @@ fn figures(forces: &[f64], desired: f64) -> Figures {
         settling_10_s: settled(0.10),
         settling_2_s: settled(0.02),
         iae_n_s: forces.iter().map(error).sum::<f64>() * TICK_S,
-    }
-}
-
-impl Display for Bound {
-    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
-        let ms = |seconds: f64| 1e3 * seconds;
-        let Delay {
-            detection_s,
-            sensor_s,
-            cycle_s,
-            command_s,
-        } = self.delay;
-        writeln!(
-            f,
-            "a command acts {:.1} ms after the contact: detection {:.1}, sensor {:.1}, cycle {:.1}, command path {:.1} ms; \
-             at most {:.2} m/s^2 along the normal\n",
-            ms(self.delay.sum_s()),
-            ms(detection_s),
-            ms(sensor_s),
-            ms(cycle_s),
-            ms(command_s),
-            self.acceleration_limit_m_per_s2
-        )?;
-        writeln!(f, "programme         peak N  set10 ms  set2 ms  IAE N s")?;
-        for (name, figures) in [
-            ("each for itself", &self.least),
-            ("least IAE", &self.with_least_iae),
-        ] {
-            writeln!(
-                f,
-                "{name:16}  {:6.1}  {:8.0}  {:7.0}  {:7.3}",
-                figures.peak_n,
-                ms(figures.settling_10_s),
-                ms(figures.settling_2_s),
-                figures.iae_n_s
-            )?;
-        }
-        writeln!(
-            f,
-            "\nwith the least IAE the contact force is at least {:.1} N once commands act",
-            self.least_contact_n
-        )
     }
 }

