@@ -73,7 +73,7 @@ impl Display for Report<'_> {
             } else {
                 ["", ""]
             };
-            write!(f, "{what:23}  {value:>5}  {:8}", row.law)?;
+            let mut line = format!("{what:23}  {value:>5}  {:8}", row.law);
             if let Some(figures) = &row.figures {
                 let cells = |figures: &Figures| {
                     [
@@ -90,13 +90,13 @@ impl Display for Report<'_> {
                     } else {
                         String::new()
                     };
-                    write!(f, "  {:>width$} {worst:>room$}", mean[i])?;
+                    line += &format!("  {:>width$} {worst:>room$}", mean[i]);
                 }
             }
             if let Some(reason) = &row.reason {
-                write!(f, "  {} of {} runs failed: {reason}", row.failed, row.runs)?;
+                line += &format!("  {} of {} runs failed: {reason}", row.failed, row.runs);
             }
-            writeln!(f)?;
+            writeln!(f, "{}", line.trim_end())?;
         }
         Ok(())
     }
