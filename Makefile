@@ -15,7 +15,7 @@ tuned_laws := pd,pd-reset,proposed,impedance,ros2,fzi
 # Default and tuned rows, all laws.
 both := --gains default,tuned --laws $(all_laws)
 
-.PHONY: help demo laws tune maps free-motion test bits bench doctor check format lint doc clean
+.PHONY: help demo laws tune maps elastic free-motion test bits bench doctor check format lint doc clean
 
 help: ## list the targets (default)
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 13
@@ -43,6 +43,14 @@ maps: ## every law over contact, delay, robot, gears and period, thousands of ru
 	@$(build)
 	@$(touchdown) sweep shootout --out target/sweep/shootout
 	@for map in target/sweep/shootout/*.svg; do cp $$map docs/map-$${map##*/}; done
+
+elastic: ## the law elastic, a tuned pd and the lower bound under 23 conditions on elastic robots: docs/elastic.txt
+	@$(build)
+	@{ $(touchdown) bound paper && $(touchdown) bound arm && $(touchdown) bound elastic && \
+	   $(touchdown) bound elastic_arm && $(touchdown) conditions elastic --set timing.seed=1001 && \
+	   $(touchdown) conditions elastic_arm --set timing.seed=1001; } >target/elastic.txt
+	@mv target/elastic.txt docs/elastic.txt
+	@cat docs/elastic.txt
 
 free-motion: ## what free motion leaves swinging, shaped and not, on every robot: docs/free-motion.txt
 	@$(build)

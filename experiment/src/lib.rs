@@ -1,7 +1,9 @@
 //! Experiments: the whole loop in one process, the three programs, and what is measured of them.
 
+pub mod bound;
 pub mod calibrate;
 pub mod compare;
+pub mod conditions;
 pub mod detection;
 pub mod doctor;
 pub mod figure;

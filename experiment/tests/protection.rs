@@ -5,8 +5,7 @@
 use experiment::in_process;
 use experiment::scenarios::Source;
 use spatial::ports::{
-    ControllerPhase, ControllerStatus, Fault, LIMIT_AXIS, LIMIT_COLLISION_FORCE_X,
-    LIMIT_WORKSPACE,
+    ControllerPhase, ControllerStatus, Fault, LIMIT_AXIS, LIMIT_COLLISION_FORCE_X, LIMIT_WORKSPACE,
 };
 
 /// Every status of a run of `name` with `overrides`, and the largest contact force, N; the robot never refuses a command.

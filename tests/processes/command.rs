@@ -190,16 +190,24 @@ fn an_interrupted_bench_says_so() {
 
 #[test]
 fn a_latched_fault_is_no_good_run() {
-    for (change, fault) in [
+    for (changes, fault) in [
         (
-            "robot.gantry.axis_maximum_rad=[1.0,1.0,1.0,1.5,0.001,1.5]",
+            // The controller takes the range for wider than it is.
+            &[
+                "robot.gantry.axis_maximum_rad=[1.0,1.0,1.0,1.5,0.001,1.5]",
+                "controller.limits.axis_margin_rad=-0.1",
+            ] as &[&str],
             "robot-sim latched AxisLimit at tick ",
         ),
-        ("object.height_m=-0.5", "controller latched NoContact at tick "),
+        (&["object.height_m=-0.5"], "controller latched NoContact at tick "),
     ] {
         let directory = tempfile::tempdir().unwrap();
-        let (code, message) =
-            failed(run_into(directory.path()).args(["--laws", "proposed", "--set", change]));
+        let changes = changes.iter().flat_map(|change| ["--set", change]);
+        let (code, message) = failed(
+            run_into(directory.path())
+                .args(["--laws", "proposed"])
+                .args(changes),
+        );
         assert_eq!(code, 1, "{message}");
         assert!(message.contains(fault), "{message}");
         assert!(directory.path().join("proposed.csv").exists());

@@ -1,8 +1,10 @@
 //! The command line: one file per subcommand.
 
 mod bench;
+mod bound;
 mod calibrate;
 mod compare;
+mod conditions;
 mod detection;
 mod doctor;
 mod free_motion;
@@ -14,6 +16,7 @@ mod tune;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use controller::impact::ImpactError;
+use experiment::bound::BoundError;
 use experiment::impact::LibraryError;
 use experiment::launch::LaunchError;
 pub(crate) use experiment::scenarios::word;
@@ -62,6 +65,8 @@ enum Command {
     Calibrate(calibrate::Args),
     Impact(Box<impact::Args>),
     FreeMotion(free_motion::Args),
+    Bound(bound::Args),
+    Conditions(conditions::Args),
     #[command(subcommand)]
     Bench(bench::Bench),
     Doctor(doctor::Args),
@@ -124,6 +129,8 @@ pub(crate) fn main() -> ExitCode {
         Command::Calibrate(args) => calibrate::run(args),
         Command::Impact(args) => impact::run(args),
         Command::FreeMotion(args) => free_motion::run(args),
+        Command::Bound(args) => bound::run(args),
+        Command::Conditions(args) => conditions::run(args),
         Command::Bench(bench) => bench::run(bench),
         Command::Doctor(args) => doctor::run(args),
     };
@@ -145,6 +152,7 @@ pub(crate) fn main() -> ExitCode {
                 || cause.is::<ImpactError>()
                 || cause.is::<TuningError>()
                 || cause.is::<SweepError>()
+                || cause.is::<BoundError>()
         };
         let wrong_usage = error.chain().any(configuration);
         ExitCode::from(if wrong_usage { WRONG_USAGE } else { FAILED })
