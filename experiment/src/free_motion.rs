@@ -131,6 +131,9 @@ fn freed(scenario: &Scenario, way: Way) -> Scenario {
     task.expected_height_m = hanging - way.length_m;
     controller.expected.from = node::scenario::ExpectedFrom::Nothing;
     controller.detection_threshold_n = f64::INFINITY;
+    // What swings is to be measured, not answered.
+    controller.cusum.enabled = false;
+    controller.collision.enabled = false;
     controller.max_lead_m = f64::INFINITY;
     scenario
 }
