@@ -51,6 +51,7 @@ impl Scenario {
         self.check_deflection(&mut conflicts);
         self.check_profile(&mut conflicts);
         self.check_kind(&mut conflicts);
+        self.check_program(&mut conflicts);
         self.check_servo(&mut conflicts);
         self.check_output(&mut conflicts);
         self.check_adaptation(&mut conflicts);
@@ -144,12 +145,13 @@ impl Scenario {
     }
 
     fn check_deflection(&self, conflicts: &mut Conflicts) {
-        let (sensor, force) = (&self.sensor, self.task.desired_force_n);
+        let force = self.task.desired_force_n.max(self.program.largest_force_n());
+        let sensor = &self.sensor;
         let [hanging, pressing] = [self.deflection_under(0.0), self.deflection_under(force)];
         let largest =
             |a: [f64; 3], b: [f64; 3]| a.iter().chain(&b).fold(0.0_f64, |most, x| most.max(x.abs()));
         let what = format!(
-            "the tool, hanging freely or pressing with task.desired_force_n, {} N,",
+            "the tool, hanging freely or pressing with task.desired_force_n or a step's, {} N,",
             short(force)
         );
         let remedy = "stiffen the sensor, widen its range or load it less";

@@ -18,6 +18,7 @@ mod estimate;
 mod hash;
 mod names;
 mod object_sensor;
+mod program;
 mod reach;
 mod read;
 mod robot;
@@ -29,12 +30,13 @@ mod value;
 
 pub use adaptation::Adaptation;
 pub use choice::{
-    ExpectedFrom, Gears, Kinematics, ObjectMotion, Pairing, SensorOutput, TaskKind, TimingMode, ToolShape,
-    Transform,
+    ExpectedFrom, Gears, Kinematics, ObjectMotion, OnFailure, Pairing, SensorOutput, StepKind, TaskKind,
+    TimingMode, ToolShape, Transform,
 };
 pub use controller::{AssumedServo, Controller, Expected, Impact, Impedance, Pd, Proposed};
 pub use error::ScenarioError;
 pub use object_sensor::ObjectSensor;
+pub use program::{Program, Step, Steps};
 pub use robot::Drives;
 pub use schema::{Allowed, Key};
 pub use spatial::ports::Law;
@@ -43,7 +45,7 @@ pub use task::{ForceControlled, Task};
 schema::section! {
     /// One experiment: what is, what is asked for, and what the controller assumes.
     Scenario at "" with timing: Timing, robot: Robot, sensor: Sensor, tool: Tool, object: Object,
-        object_sensor: ObjectSensor, task: Task, controller: Controller {}
+        object_sensor: ObjectSensor, task: Task, program: Program, controller: Controller {}
 }
 
 schema::section! {
