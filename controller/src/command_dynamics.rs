@@ -72,6 +72,11 @@ impl CommandDynamics {
         }
     }
 
+    /// Position (rad) and velocity (rad/s) of the axes when the next set-point begins to act.
+    pub fn state(&self) -> (Axes, Axes) {
+        (self.position, self.velocity)
+    }
+
     /// The set-point at which a robot at `position` moving with `velocity` accelerates with `acceleration`:
     /// the inverse `c = x + 2 zeta / w x' + x'' / w^2`. Linear, hence for any coordinate.
     pub fn inverse(&self, position: f64, velocity: f64, acceleration: f64) -> f64 {

@@ -34,6 +34,11 @@ impl Detector {
         self.envelope = libm::fabs(acceleration).max(self.envelope * fading);
     }
 
+    /// Fire above `threshold_n` (N) from now on.
+    pub fn set_threshold(&mut self, threshold_n: f64) {
+        self.threshold_n = threshold_n;
+    }
+
     /// The threshold now, N.
     pub fn threshold_n(&self) -> f64 {
         self.threshold_n + self.apparent_mass_kg * self.envelope

@@ -1,8 +1,12 @@
 //! The task once the tare is known: approach, contact, and the way from the tcp's coordinates to axes.
 
+mod begin;
+mod fade;
 mod path;
 mod plan;
+mod route;
 mod sensed;
+mod statics;
 mod told;
 
 pub(crate) use sensed::Sample;
@@ -19,13 +23,15 @@ use crate::impact::ImpactMonitor;
 use crate::law::{ForceControl, feeds_forward};
 use crate::posture::Posture;
 use nalgebra::Vector3;
-use node::scenario::TaskKind;
+use fade::Fade;
 use path::{Path, since};
 use plan::{Plan, bound_lead};
+use route::{Spiral, Travel};
 use sensed::{Contact, Sensed};
-use spatial::kinematics::{Axes, Unreachable, join, split};
+use statics::tcp_compliance;
+use spatial::kinematics::{Axes, Unreachable, join};
 use spatial::ports::{HORIZON, SampleFlags};
-use spatial::{Compliance, Deflection, Pose, TICK_S, Wrench};
+use spatial::{Compliance, Deflection, Pose, TICK_S};
 use std::f64::consts::TAU;
 
 /// Everything that exists only once the tare is known.
@@ -39,8 +45,21 @@ pub(crate) struct Motion {
     compliance: TcpCompliance,
     /// `C f_d`.
     desired_displacement: Dofs,
+    /// From the start to where the present step has begun, m in r.
+    anchor: Vector3<f64>,
+    /// From the nominal to the hanging tcp, m in r.
+    sag: Vector3<f64>,
     /// The way to the object, once the approach has begun.
     path: Option<Path>,
+    /// Another step's way.
+    travel: Option<Travel>,
+    spiral: Option<Spiral>,
+    /// What is left of the motion before this step, and the cycle in which it was left off.
+    fade: Option<(Fade, i64)>,
+    /// Share of the posture that is kept while no law acts.
+    share: f64,
+    /// The way goes on in contact: towards a position, not until a force.
+    inserts: bool,
     dynamics: CommandDynamics,
     /// Where the servos have yielded to when the next set-point begins to act.
     disturbance: Disturbance,
@@ -54,6 +73,9 @@ pub(crate) struct Motion {
     /// The lowest height that a force law may seek, m.
     lowest_m: f64,
     settled_cycles: i64,
+    overloaded_cycles: i64,
+    /// The threshold that the noise asks for, N.
+    above_noise_n: f64,
 }
 
 /// The least detection threshold, in standard deviations of the noise: whatever compliance is assumed, noise is no
@@ -101,7 +123,14 @@ impl Motion {
             posture,
             compliance,
             desired_displacement: posture.desired_displacement(),
+            anchor: Vector3::zeros(),
+            sag: hanging.translation.vector - (r_from_s * nalgebra::Point3::from(settings.d)).coords,
             path: None,
+            travel: None,
+            spiral: None,
+            fade: None,
+            share: 0.0,
+            inserts: false,
             dynamics: CommandDynamics::new(
                 controller.filter_frequency_hz,
                 controller.filter_damping,
@@ -122,6 +151,8 @@ impl Motion {
             plan: Plan::stay(coordinates, *start),
             lowest_m: f64::NEG_INFINITY,
             settled_cycles: 0,
+            overloaded_cycles: 0,
+            above_noise_n: ABOVE_NOISE * noise_n,
         }
     }
 
@@ -154,7 +185,7 @@ impl Motion {
         if approaching && self.contact.is_none() && sensed.normal_force_n > self.detector.threshold_n() {
             let reached = tick + settings.lead() * settings.period_ticks;
             let distance_m = self.path.map_or(0.0, |path| path.at(settings, reached).distance);
-            self.contact = Some(Contact::new(sample.tick, tick, distance_m));
+            self.contact = Some(Contact::new(settings, &sensed, tick, distance_m));
             if let Some(impact) = &mut self.impact {
                 impact.contact();
             }
@@ -162,7 +193,7 @@ impl Motion {
                 self.force_control.expect(&velocity);
             }
         }
-        if let Some(contact) = &mut self.contact {
+        if let Some(contact) = self.contact.as_mut().filter(|contact| !contact.released) {
             let touch = contact.touch(settings, &self.selection, &sensed);
             contact.lost = touch == Touch::Lost;
             // Paper (12).
@@ -178,19 +209,9 @@ impl Motion {
         }
     }
 
-    /// How long the approach has lasted at `tick`, which begins with the first question, s.
-    pub(crate) fn approached_for(
-        &mut self,
-        settings: &Settings,
-        expectation: &Expectation,
-        tick: i64,
-    ) -> f64 {
-        let start_m = self.plan.coordinates[0][NORMAL];
-        let impact = self.impact.as_ref();
-        let path = self
-            .path
-            .get_or_insert_with(|| Path::new(settings, expectation, impact, start_m, tick));
-        path.lasted_s(tick)
+    /// How long the approach has lasted at `tick`, s.
+    pub(crate) fn approached_for(&self, tick: i64) -> f64 {
+        self.path.map_or(0.0, |path| path.lasted_s(tick))
     }
 
     /// How long the approach lasts at most, s.
@@ -202,6 +223,11 @@ impl Motion {
     pub(crate) fn count_settled(&mut self, inside: bool) -> i64 {
         self.settled_cycles = if inside { self.settled_cycles + 1 } else { 0 };
         self.settled_cycles
+    }
+
+    /// The contact in which a law acts.
+    fn pressing(&self) -> Option<Contact> {
+        self.contact.filter(|contact| !contact.released)
     }
 
     /// The next set-points of the axes, one period apart, and whether the bound of command minus actual binds.
@@ -219,7 +245,8 @@ impl Motion {
         let mut known = None;
         let mut coordinates =
             reached.map(|tick| self.reference(settings, expectation, tick, leads, &mut known));
-        if self.contact.is_some() {
+        let pressing = self.pressing().is_some();
+        if pressing {
             let lowest = self.lowest(expectation, reached[0]);
             self.lowest_m = lowest;
             for (all, demand) in coordinates.iter_mut().zip(self.demand(settings, &reached)) {
@@ -234,7 +261,7 @@ impl Motion {
         let mut set_points = if leads {
             let proposed = &settings.controller.proposed;
             let mut led = axes;
-            if proposed.disturbance_feed_forward && self.contact.is_some() {
+            if proposed.disturbance_feed_forward && pressing {
                 let torque = self.torque(settings, &axes[0]);
                 let deviations = self.disturbance.preview(&torque, settings.period_ticks);
                 for (axes, deviation) in led.iter_mut().zip(deviations) {
@@ -247,12 +274,12 @@ impl Motion {
         };
         let most = settings.controller.max_lead_m;
         let bound = bound_lead(kinematics, &self.posture, most, actual, &mut set_points);
-        if let Some(path) = self.path.as_mut().filter(|_| bound) {
+        if bound {
             // The way waits for a robot that does not follow.
-            path.wait(settings.period_ticks);
+            self.wait(settings.period_ticks);
         }
         let acceleration = self.dynamics.advance(&set_points[0]);
-        if self.contact.is_none() {
+        if !pressing {
             let acceleration = self.tcp_acceleration(settings, &set_points[0], &acceleration);
             self.detector.follow(acceleration, settings.period_ticks);
         } else {
@@ -268,6 +295,7 @@ impl Motion {
             coordinates,
             axes,
             commanded,
+            rate: (commanded - self.plan.commanded) / settings.period_s(),
         };
         Ok((set_points, bound))
     }
@@ -278,26 +306,6 @@ impl Motion {
             .path
             .map_or(f64::NEG_INFINITY, |path| path.end_m(expectation, tick));
         end - libm::fabs(self.desired_displacement[NORMAL])
-    }
-
-    /// From the sensor frame to the hanging tcp while the axes are at `axes`, m in r.
-    fn lever(&self, settings: &Settings, axes: &Axes) -> Vector3<f64> {
-        let r_from_s = settings.kinematics.forward(axes);
-        self.posture.hanging_tcp(&r_from_s).translation.vector - r_from_s.translation.vector
-    }
-
-    /// The magnitude of the tcp's acceleration (m/s^2) that `changes` (rad/s^2) of the axes at `axes` cause: whatever its
-    /// direction, the tool's swing shows along the normal.
-    fn tcp_acceleration(&self, settings: &Settings, axes: &Axes, changes: &Axes) -> f64 {
-        let (linear, angular) = split(&(settings.kinematics.jacobian(axes) * changes));
-        (linear + angular.cross(&self.lever(settings, axes))).norm()
-    }
-
-    /// The torque (Nm) on the axes at `axes` under the desired wrench at the tcp.
-    fn torque(&self, settings: &Settings, axes: &Axes) -> Axes {
-        let Wrench { force, moment } = settings.desired;
-        let at_s = join(force, moment + self.lever(settings, axes).cross(&force));
-        settings.kinematics.jacobian(axes).tr_mul(&at_s)
     }
 
     /// Where the hanging tcp is to be at `tick` as far as no force law moves it: on the way to the object and with it,
@@ -313,9 +321,14 @@ impl Motion {
         fed_forward: bool,
         known: &mut Option<(Vector3<f64>, f64, Dofs)>,
     ) -> Dofs {
-        let tilt = self.contact.map_or(PathPoint::default(), |contact| {
+        let kept = PathPoint {
+            distance: self.share,
+            ..PathPoint::default()
+        };
+        let pressing = self.pressing();
+        let tilt = pressing.map_or(kept, |contact| {
             let time = since(settings, contact.cycle_tick, tick);
-            spread(time, settings.controller.tilt_time_s)
+            spread(time, contact.tilt_time_s)
         });
         let share = if fed_forward {
             tilt.distance
@@ -323,18 +336,21 @@ impl Motion {
             self.dynamics
                 .inverse(tilt.distance, tilt.speed, tilt.acceleration)
         };
-        let distance = match self.contact {
-            Some(contact) if settings.task.kind == TaskKind::Press => contact.distance_m,
+        let distance = match pressing {
+            Some(contact) if !self.inserts => contact.distance_m,
             _ => self.path.map_or(0.0, |path| path.at(settings, tick).distance),
         };
         let shift = self.path.and_then(|path| path.shift(expectation, tick, distance));
-        let shift = shift.unwrap_or_default();
+        let shift = shift.unwrap_or_default() + self.led(settings, tick);
         let mut coordinates = match *known {
             Some((before, at, coordinates)) if before == shift && at == share => coordinates,
             _ => self.frame.coordinates(&self.posture.reference(shift, share)),
         };
         *known = Some((shift, share, coordinates));
         coordinates[NORMAL] -= distance;
+        if let Some((fade, left)) = self.fade {
+            coordinates += fade.at(since(settings, left, tick) + settings.period_s());
+        }
         coordinates
     }
 
@@ -345,7 +361,7 @@ impl Motion {
             commanded,
             ..
         } = self.plan;
-        let period_s = settings.period_ticks as f64 * TICK_S;
+        let period_s = settings.period_s();
         let desired_wrench = join(settings.desired.force, settings.desired.moment);
         let (compliance, displacement) = (self.compliance, self.desired_displacement);
         self.force_control.demand(
@@ -363,19 +379,4 @@ impl Motion {
             },
         )
     }
-}
-
-/// The compliance of a tcp that hangs as in `posture`, in r.
-fn tcp_compliance(
-    compliance: &Compliance,
-    posture: &Posture,
-    r_from_s: &Pose,
-    selection: &Selection,
-) -> TcpCompliance {
-    let rotation = r_from_s.rotation.to_rotation_matrix().into_inner();
-    let in_r = Compliance {
-        translation: rotation * compliance.translation * rotation.transpose(),
-        rotation: rotation * compliance.rotation * rotation.transpose(),
-    };
-    TcpCompliance::new(&in_r, posture.lever(), selection)
 }

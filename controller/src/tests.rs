@@ -7,8 +7,8 @@ mod phases;
 mod samples;
 
 use super::*;
-use node::scenario::SensorOutput;
-use spatial::Deflection;
+use node::scenario::{SensorOutput, TaskKind};
+use spatial::{Compliance, Deflection, Wrench};
 use spatial::ports::{Authenticity, ClockEcho, ENCODER_SAMPLES, RobotMode, Role, SampleFlags, Stamp};
 
 fn state(tick: i64, axes: Axes) -> RobotState {
@@ -50,6 +50,13 @@ fn sensed(tick: i64, delay: i64, at: impl Fn(i64) -> Deflection) -> Deflections 
     }
 }
 
+/// The paper's scenario with a tool of which nothing is known: it may weigh nothing.
+fn weightless() -> Scenario {
+    let mut scenario = Scenario::default();
+    scenario.controller.tool_mass_kg = 0.0;
+    scenario
+}
+
 fn undeflected(tick: i64) -> Deflections {
     sensed(tick, 0, |_| Deflection::default())
 }
@@ -68,6 +75,7 @@ fn what_the_arm_cannot_reach_is_a_fault_and_it_holds() {
     let mut scenario = Scenario::default();
     scenario.robot.kinematics = scenario::Kinematics::Arm;
     scenario.task.expected_height_m = -2.0;
+    scenario.controller.tool_mass_kg = 0.0;
     scenario.task.approach_speed_m_per_s = 0.5;
     scenario.controller.max_lead_m = 0.1;
     let mut controller = Controller::new(&scenario);

@@ -9,6 +9,7 @@ pub mod in_process;
 pub mod launch;
 pub mod metrics;
 pub mod out;
+pub mod program;
 pub mod run_port;
 pub mod scenarios;
 pub mod table;

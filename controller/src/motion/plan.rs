@@ -15,6 +15,8 @@ pub(super) struct Plan {
     pub(super) axes: [Axes; PREVIEW],
     /// The coordinates of the set-point given.
     pub(super) commanded: Dofs,
+    /// How fast they change, m/s and rad/s.
+    pub(super) rate: Dofs,
 }
 
 impl Plan {
@@ -24,6 +26,7 @@ impl Plan {
             coordinates: [coordinates; PREVIEW],
             axes: [axes; PREVIEW],
             commanded: coordinates,
+            rate: Dofs::zeros(),
         }
     }
 

@@ -68,6 +68,12 @@ pub(super) struct Contact {
     pub(super) cycle_tick: i64,
     /// How far the way had led then, m.
     pub(super) distance_m: f64,
+    /// Where the deflected tcp was then, m in r.
+    pub(super) height_m: f64,
+    /// Time over which the posture is taken, s.
+    pub(super) tilt_time_s: f64,
+    /// No law acts any more: the tool is held where it is, or leaves the object.
+    pub(super) released: bool,
     /// Whether the tool has lost the object.
     pub(super) lost: bool,
     /// Tick of the newest sample in contact.
@@ -78,14 +84,17 @@ pub(super) struct Contact {
 const LONGEST_BOUNCE_TICKS: i64 = 30;
 
 impl Contact {
-    /// Detected by the sample of `sample_tick` in the cycle at `cycle_tick`, after `distance_m` (m) of the way.
-    pub(super) fn new(sample_tick: i64, cycle_tick: i64, distance_m: f64) -> Self {
+    /// Detected by what was `sensed` in the cycle at `cycle_tick`, after `distance_m` (m) of the way.
+    pub(super) fn new(settings: &Settings, sensed: &Sensed, cycle_tick: i64, distance_m: f64) -> Self {
         Self {
-            sample_tick,
+            sample_tick: sensed.sample.tick,
             cycle_tick,
             distance_m,
+            height_m: sensed.r_from_ta1.translation.vector[NORMAL],
+            tilt_time_s: settings.controller.tilt_time_s,
+            released: false,
             lost: false,
-            touched_tick: sample_tick,
+            touched_tick: sensed.sample.tick,
         }
     }
 

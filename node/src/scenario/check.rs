@@ -59,6 +59,12 @@ impl Scenario {
         conflicts.0
     }
 
+    /// Whether all values can be together, as [`Scenario::load`] asks for: of a scenario whose values were set one by
+    /// one.
+    pub fn is_consistent(&self) -> bool {
+        self.conflicts().is_empty()
+    }
+
     fn check_task(&self, conflicts: &mut Conflicts) {
         let (task, height) = (&self.task, self.object_height_at_start_m());
 

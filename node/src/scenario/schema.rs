@@ -182,6 +182,14 @@ impl Scenario {
     pub fn keys() -> Vec<Key> {
         Self::default().fields().map(describe).collect()
     }
+
+    /// What the key `path` accepts, if it is a number or an array of numbers.
+    pub fn limits(path: &str) -> Option<RangeInclusive<f64>> {
+        match Self::keys().into_iter().find(|key| key.path == path)?.allowed {
+            Allowed::Number(limits) | Allowed::Array(limits, _) => Some(limits),
+            _ => None,
+        }
+    }
 }
 
 /// A field as a key.

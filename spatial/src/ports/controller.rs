@@ -29,6 +29,10 @@ wire_enum! {
         Fault = 7,
         /// Tilting the tool to learn what sensor and tool are.
         Calibrate = 8,
+        /// Moving freely, as a step of a program.
+        Move = 9,
+        /// Pressing and moving along a spiral.
+        Search = 10,
     }
 }
 
@@ -126,7 +130,8 @@ pub struct ControllerStatus {
     /// Amplitude of an observed oscillation, N.
     pub oscillation_n: f64,
     /// Limits that bind, a bit each: 1 lead, 2 velocity (the approach is slowed for the allowed force of the impact),
-    /// 4 acceleration, 8 workspace, 16 axis, 32 deflection, 64 drift.
+    /// 4 acceleration, 8 workspace, 16 axis, 32 deflection, 64 drift; 128, 256, 512: the program's step before failed, by
+    /// time, by the end of its search, by tolerance or force.
     pub limits: i32,
     /// Index of the program step, -1: no program. While calibrating: of the rest that is measured, -1: none.
     pub program_step: i32,
@@ -134,9 +139,9 @@ pub struct ControllerStatus {
     pub task_step: i64,
     /// The answer.
     pub task_answer: ParameterAnswer,
-    /// Bit of the parameter refused, -1: none.
+    /// Bit of the parameter refused, or of the last one accepted, -1: none.
     pub task_parameter: i32,
-    /// The limit it left.
+    /// The limit it left, or the value that it will have.
     pub task_limit: f64,
 }
 
