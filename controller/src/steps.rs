@@ -130,7 +130,7 @@ impl Controller {
         match step.kind {
             StepKind::Approach if motion.in_contact() => Progress::Done,
             StepKind::Approach if ended => no_contact,
-            StepKind::Press | StepKind::Hold | StepKind::Search if motion.lost_beyond_search() => no_contact,
+            StepKind::Press | StepKind::Hold if motion.lost_beyond_search() => no_contact,
             StepKind::Press => {
                 let settled_s = settle(motion, settings, &mut self.phase);
                 // The force is still led to where it is to be.
@@ -146,7 +146,8 @@ impl Controller {
                 }
                 if elapsed_s >= step.duration_s { Progress::Done } else { Progress::Goes }
             }
-            StepKind::Search if motion.sunk_m() >= step.depth_m => Progress::Done,
+            // A stiff tool sinks slowly: that nothing bears it for longer than a bounce tells of the hole before.
+            StepKind::Search if motion.sunk_m() >= step.depth_m || motion.lost() => Progress::Done,
             StepKind::Search if motion.way_ended(tick) => no_contact,
             StepKind::Insert => self.insert(step, ended),
             StepKind::Move if motion.normal_force_n() > motion.threshold_n() => {

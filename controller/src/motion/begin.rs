@@ -155,6 +155,13 @@ impl Motion {
 
     /// No law acts any more, and the motion comes to rest with the share `share` of the posture.
     fn release(&mut self, settings: &Settings, share: f64, tick: i64) {
+        if self.pressing().is_some() {
+            // The tool swings with what it is released from, as if it had been accelerated by that.
+            let mass_kg = settings.controller.apparent_mass_kg;
+            if mass_kg > 0.0 {
+                self.detector.follow(self.force_n() / mass_kg, settings.period_ticks);
+            }
+        }
         self.leave_off(settings, share, tick);
         if let Some(contact) = &mut self.contact {
             contact.released = true;

@@ -35,13 +35,18 @@ impl Motion {
     /// Whether the object was lost and not found again down to the end of the search.
     pub(crate) fn lost_beyond_search(&self) -> bool {
         let at_end = self.plan.commanded[NORMAL] <= self.lowest_m + 1e-6;
-        at_end && self.pressing().is_some_and(|contact| contact.lost)
+        at_end && self.lost()
     }
 
     /// Whether the hanging tcp is where it is sent to, within `tolerance_m` (m).
     pub(crate) fn arrived(&self, tolerance_m: f64) -> bool {
         let at = self.frame.coordinates(&self.newest.hanging);
         libm::fabs(at[NORMAL] - self.plan.commanded[NORMAL]) <= tolerance_m
+    }
+
+    /// Whether nothing has been touched for longer than any bounce, while a law acts.
+    pub(crate) fn lost(&self) -> bool {
+        self.pressing().is_some_and(|contact| contact.lost)
     }
 
     /// How far the deflected tcp has sunk since the contact was detected, m.

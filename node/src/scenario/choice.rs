@@ -75,7 +75,7 @@ pub enum StepKind {
     Press,
     /// Stay, pressing or not, for a time.
     Hold,
-    /// Press and move along a spiral until the tool sinks.
+    /// Press and move along a spiral until the tool sinks or nothing bears it.
     Search,
     /// Reach a depth within a tolerance, giving way sideways.
     Insert,

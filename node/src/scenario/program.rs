@@ -42,7 +42,7 @@ schema::section! {
         /// How long to press with the force in its band, or to hold.
         duration_s: f64 = 0.5, in 0.0..=86400.0;
         /// How far an approach seeks below task.expected_height_m; how far the tool sinks where a search has found its
-        /// hole; how far an insertion leads below where the object was met, or below task.expected_height_m.
+        /// hole, if it is not left without contact there before; how far an insertion leads below where the object was met, or below task.expected_height_m.
         depth_m: f64 = 0.005, in 1e-6..=1.0;
         /// How far a retraction leads up along the normal.
         distance_m: f64 = 0.010, in 1e-4..=1.0;
