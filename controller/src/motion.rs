@@ -295,7 +295,6 @@ impl Motion {
             coordinates,
             axes,
             commanded,
-            rate: (commanded - self.plan.commanded) / settings.period_s(),
         };
         Ok((set_points, bound))
     }

@@ -198,7 +198,7 @@ impl Controller {
 
     /// Whether nothing moves and nothing is touched, so that zero force can be taken anew.
     fn rests(&self, tick: i64) -> bool {
-        self.motion.as_ref().is_some_and(|motion| motion.rests_free(&self.settings, tick))
+        self.motion.as_ref().is_some_and(|motion| motion.rests_free(tick))
     }
 
     /// Take what the sensor shows from now on as zero.

@@ -33,6 +33,7 @@ impl Motion {
         } else {
             self.leave_off(settings, 0.0, tick);
             self.contact = None;
+            self.share = 0.0;
             self.force_control = ForceControl::new(&settings.controller, selection);
             let normal_in_s = self.frame.pose(&Dofs::zeros()).rotation.inverse() * Vector3::z();
             self.impact = ImpactMonitor::new(&settings.controller, &settings.task, normal_in_s).ok();
@@ -98,7 +99,9 @@ impl Motion {
     /// Come to rest and hold, in contact with the posture that is taken.
     pub(crate) fn stop(&mut self, settings: &Settings, tick: i64) {
         let share = self.pressing().map_or(self.share, |contact| {
-            spread(since(settings, contact.cycle_tick, tick), contact.tilt_time_s).distance
+            let taken = spread(since(settings, contact.cycle_tick, tick), contact.tilt_time_s);
+            // The posture comes to rest as all the motion does.
+            taken.distance + Fade::way_to_rest(&Dofs::ith(0, taken.speed)).x.min(1.0 - taken.distance)
         });
         self.release(settings, share, tick);
     }
@@ -188,20 +191,22 @@ impl Motion {
         self.frame.coordinates(&self.posture.reference(self.anchor, share))
     }
 
-    /// Coordinates and their rates when the next set-point begins to act: those of the simulated axes where the law leads
-    /// them, else those of the set-points, which the axes follow.
+    /// Coordinates and their rates when the next set-point begins to act: of the simulated axes; where the law does not
+    /// lead them, the coordinates are those of the set-point, which they follow. Its own rate would mean nothing: such a
+    /// law may make it jump.
     fn state(&self, settings: &Settings) -> (Dofs, Dofs) {
-        if !feeds_forward(settings.controller.law) {
-            return (self.plan.commanded, self.plan.rate);
-        }
         let (position, velocity) = self.dynamics.state();
         let coordinates = |axes| {
             let r_from_s = settings.kinematics.forward(axes);
             self.frame.coordinates(&self.posture.hanging_tcp(&r_from_s))
         };
         let at = coordinates(&position);
-        let soon = coordinates(&(position + velocity * TICK_S));
-        (at, (soon - at) / TICK_S)
+        let rate = (coordinates(&(position + velocity * TICK_S)) - at) / TICK_S;
+        if feeds_forward(settings.controller.law) {
+            (at, rate)
+        } else {
+            (self.plan.commanded, rate)
+        }
     }
 
     fn select(&mut self, settings: &Settings, selection: Selection) {

@@ -15,8 +15,6 @@ pub(super) struct Plan {
     pub(super) axes: [Axes; PREVIEW],
     /// The coordinates of the set-point given.
     pub(super) commanded: Dofs,
-    /// How fast they change, m/s and rad/s.
-    pub(super) rate: Dofs,
 }
 
 impl Plan {
@@ -26,7 +24,6 @@ impl Plan {
             coordinates: [coordinates; PREVIEW],
             axes: [axes; PREVIEW],
             commanded: coordinates,
-            rate: Dofs::zeros(),
         }
     }
 

@@ -8,6 +8,9 @@ use nalgebra::Vector3;
 use spatial::ports::ImpactAssessment;
 use spatial::{Deflection, Pose, TICK_S};
 
+/// The axes rest below that, rad/s.
+const STILL_RAD_PER_S: f64 = 1e-4;
+
 impl Motion {
     /// `r_from_ta1`: the deflected tcp at the newest sample.
     pub(crate) fn tcp_pose(&self) -> &Pose {
@@ -103,11 +106,11 @@ impl Motion {
     }
 
     /// Whether the tool hangs freely and the set-points rest at `tick`.
-    pub(crate) fn rests_free(&self, settings: &Settings, tick: i64) -> bool {
+    pub(crate) fn rests_free(&self, tick: i64) -> bool {
         let faded = self.fade.is_none_or(|(fade, left)| {
             fade.at((tick - left) as f64 * TICK_S) == Dofs::zeros()
         });
-        let still = self.plan.rate.amax() * settings.period_s() < 1e-9;
+        let still = self.dynamics.state().1.amax() < STILL_RAD_PER_S;
         self.contact.is_none() && faded && still && self.way_ended(tick)
     }
 
