@@ -23,9 +23,8 @@ impl Default for Agenda {
 impl Agenda {
     /// Let a request wait; `false`: it waits already, or too many do.
     pub fn add(&mut self, task: &Task) -> bool {
-        let same = |known: &Task| {
-            (known.stamp.boot_id, known.stamp.step) == (task.stamp.boot_id, task.stamp.step)
-        };
+        let same =
+            |known: &Task| (known.stamp.boot_id, known.stamp.step) == (task.stamp.boot_id, task.stamp.step);
         let takes = self.0.len() < LENGTH && !self.0.iter().any(same);
         if takes {
             self.0.push(*task);
@@ -52,7 +51,11 @@ mod tests {
 
     fn task(step: i64, utime: i64) -> Task {
         Task {
-            stamp: Stamp { step, utime, boot_id: 7 },
+            stamp: Stamp {
+                step,
+                utime,
+                boot_id: 7,
+            },
             ..Task::default()
         }
     }

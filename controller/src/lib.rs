@@ -310,9 +310,7 @@ impl Controller {
         }
         let settings = &self.settings;
         let answer = match &mut self.tilting {
-            Some(tilting) if tilting.begun() => {
-                tilting.set_points(settings, actual, &self.commanded)
-            }
+            Some(tilting) if tilting.begun() => tilting.set_points(settings, actual, &self.commanded),
             _ => motion.set_points(settings, &self.expectation, tick, actual),
         };
         let Ok((set_points, bound)) = answer else {

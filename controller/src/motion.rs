@@ -20,18 +20,18 @@ use crate::disturbance::Disturbance;
 use crate::dofs::{Dofs, NORMAL, Selection, TaskFrame, TcpCompliance};
 use crate::expectation::Expectation;
 use crate::impact::ImpactMonitor;
-use crate::law::{ForceControl, feeds_forward};
+use crate::law::ForceControl;
 use crate::posture::Posture;
-use nalgebra::Vector3;
 use fade::Fade;
+use nalgebra::Vector3;
 use path::{Path, since};
 use plan::{Plan, bound_lead};
 use route::{Spiral, Travel};
 use sensed::{Contact, Sensed};
-use statics::tcp_compliance;
 use spatial::kinematics::{Axes, Unreachable, join};
 use spatial::ports::{HORIZON, SampleFlags};
 use spatial::{Compliance, Deflection, Pose, TICK_S};
+use statics::tcp_compliance;
 use std::f64::consts::TAU;
 
 /// Everything that exists only once the tare is known.
@@ -241,7 +241,7 @@ impl Motion {
         // The first set-point is reached n_d + 1 periods from now.
         let reached: [i64; PREVIEW] =
             std::array::from_fn(|i| tick + (settings.lead() + i as i64) * settings.period_ticks);
-        let leads = feeds_forward(settings.controller.law);
+        let leads = self.leads(settings);
         let mut known = None;
         let mut coordinates =
             reached.map(|tick| self.reference(settings, expectation, tick, leads, &mut known));

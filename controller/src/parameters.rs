@@ -133,6 +133,9 @@ impl Parameters {
     /// Accept all `values`, or none: each within its key's limits, and together with all others as a scenario's file
     /// would have to be. Not part of a cycle: this check allocates.
     pub(crate) fn accept(&mut self, values: &[Option<f64>; COUNT]) -> Result<(), OutOfRange> {
+        if values.iter().all(Option::is_none) {
+            return Ok(());
+        }
         let mut changed = self.accepted.clone();
         let given = || (0..).zip(values).filter_map(|(i, value)| Some((i, (*value)?)));
         for (parameter, value) in given() {
@@ -180,7 +183,11 @@ impl Parameters {
             return self.set(settings, i, value);
         }
         let from = *in_force(settings, i);
-        self.ramps[i] = (from != value).then_some(Ramp { from, to: value, start_tick: None });
+        self.ramps[i] = (from != value).then_some(Ramp {
+            from,
+            to: value,
+            start_tick: None,
+        });
     }
 
     /// Set parameter `i` to `value` at once: where nothing follows it now.
@@ -196,8 +203,11 @@ impl Parameters {
             let Some(ramp) = slot else { continue };
             let elapsed_s = (tick - *ramp.start_tick.get_or_insert(tick)) as f64 * TICK_S;
             let share = spread(elapsed_s, settings.controller.slew_s).distance;
-            *in_force(settings, i) =
-                if share < 1.0 { ramp.from + (ramp.to - ramp.from) * share } else { ramp.to };
+            *in_force(settings, i) = if share < 1.0 {
+                ramp.from + (ramp.to - ramp.from) * share
+            } else {
+                ramp.to
+            };
             if share >= 1.0 {
                 *slot = None;
             }

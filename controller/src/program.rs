@@ -1,7 +1,7 @@
 //! The steps of a program, and which of them is done now.
 
-use node::scenario::{OnFailure, Program as Configured, Scenario, Step, StepKind, Task, TaskKind};
 use nalgebra::Vector3;
+use node::scenario::{OnFailure, Program as Configured, Scenario, Step, StepKind, Task, TaskKind};
 
 /// A list of steps, and where in it the controller is. Without a program in the scenario its one task is the list.
 #[derive(Clone, Debug)]
@@ -76,7 +76,9 @@ impl Program {
 
     /// Index of the step as it is published.
     pub(crate) fn published(&self) -> Option<i32> {
-        self.index.filter(|_| self.configured).and_then(|index| i32::try_from(index).ok())
+        self.index
+            .filter(|_| self.configured)
+            .and_then(|index| i32::try_from(index).ok())
     }
 
     /// The present step has come to its end: go on to what follows, back to an earlier one where `next` says so.
@@ -124,7 +126,12 @@ fn single(task: &Task) -> [Option<Step>; SINGLE] {
         tolerance_m: task.tolerance_m,
         ..Step::default()
     };
-    let step = |kind| Some(Step { kind, ..endless.clone() });
+    let step = |kind| {
+        Some(Step {
+            kind,
+            ..endless.clone()
+        })
+    };
     match task.kind {
         TaskKind::Press => [step(StepKind::Approach), step(StepKind::Press)],
         TaskKind::Position => [step(StepKind::Insert), None],
@@ -159,8 +166,16 @@ mod tests {
         assert_eq!(
             done(text),
             [
-                (Move, 0.0), (Approach, 0.0), (Retract, 0.0), (Approach, 10.0), (Retract, 10.0),
-                (Move, 100.0), (Approach, 100.0), (Retract, 100.0), (Approach, 110.0), (Retract, 110.0),
+                (Move, 0.0),
+                (Approach, 0.0),
+                (Retract, 0.0),
+                (Approach, 10.0),
+                (Retract, 10.0),
+                (Move, 100.0),
+                (Approach, 100.0),
+                (Retract, 100.0),
+                (Approach, 110.0),
+                (Retract, 110.0),
                 (Move, 0.0),
             ]
         );
@@ -177,11 +192,14 @@ mod tests {
             let mut program = Program::new(&scenario);
             program.start(&scenario.task);
             assert_eq!(program.fail(4), goes_on);
-            assert_eq!((program.kind(), program.failed), if goes_on {
-                (Some(StepKind::Retract), 4)
-            } else {
-                (Some(StepKind::Approach), 0)
-            });
+            assert_eq!(
+                (program.kind(), program.failed),
+                if goes_on {
+                    (Some(StepKind::Retract), 4)
+                } else {
+                    (Some(StepKind::Approach), 0)
+                }
+            );
             assert!(!(goes_on && program.fail(4)), "nothing to retract to is left");
         }
     }
@@ -191,9 +209,15 @@ mod tests {
         let mut program = Program::new(&Scenario::default());
         assert_eq!((program.kind(), program.published()), (None, None));
         program.start(&Task::default());
-        assert_eq!((program.kind(), program.published()), (Some(StepKind::Approach), None));
+        assert_eq!(
+            (program.kind(), program.published()),
+            (Some(StepKind::Approach), None)
+        );
         program.go_on();
-        assert_eq!(program.step().map(|step| (step.kind, step.force_n)), Some((StepKind::Press, 10.0)));
+        assert_eq!(
+            program.step().map(|step| (step.kind, step.force_n)),
+            Some((StepKind::Press, 10.0))
+        );
         program.go_on();
         assert_eq!(program.kind(), None);
     }

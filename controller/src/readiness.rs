@@ -44,10 +44,23 @@ pub(crate) fn check(settings: &Settings, evidence: &Evidence<'_>) -> Result<(), 
     let (state, max_lead_m) = (evidence.state, settings.controller.max_lead_m);
     let fails = state.fault != Fault::None || matches!(state.mode, RobotMode::Braking | RobotMode::Fault);
     let reasons = [
-        (evidence.state_age_s > fresh_s, ParameterAnswer::RobotStale, fresh_s),
+        (
+            evidence.state_age_s > fresh_s,
+            ParameterAnswer::RobotStale,
+            fresh_s,
+        ),
         (fails, ParameterAnswer::RobotNotReady, 0.0),
-        (evidence.lead_m > max_lead_m, ParameterAnswer::RobotNotReady, max_lead_m),
-        (evidence.sensor_age_s > fresh_s, ParameterAnswer::SensorStale, fresh_s),
+        // Farther away than that it can't be for long: the set-point is kept that near.
+        (
+            evidence.lead_m > 0.99 * max_lead_m,
+            ParameterAnswer::RobotNotReady,
+            max_lead_m,
+        ),
+        (
+            evidence.sensor_age_s > fresh_s,
+            ParameterAnswer::SensorStale,
+            fresh_s,
+        ),
         (evidence.saturated, ParameterAnswer::SensorSaturated, 0.0),
     ];
     if let Some((_, answer, limit)) = reasons.into_iter().find(|(holds, ..)| *holds) {
@@ -60,7 +73,10 @@ pub(crate) fn check(settings: &Settings, evidence: &Evidence<'_>) -> Result<(), 
     if evidence.object_known {
         Ok(())
     } else {
-        Err(Refusal { answer: ParameterAnswer::ObjectUnknown, limit: 0.0 })
+        Err(Refusal {
+            answer: ParameterAnswer::ObjectUnknown,
+            limit: 0.0,
+        })
     }
 }
 
@@ -69,22 +85,41 @@ pub(crate) fn check(settings: &Settings, evidence: &Evidence<'_>) -> Result<(), 
 fn plausible(settings: &Settings, tare: &Deflection, r_from_s: &Pose) -> Result<(), Refusal> {
     let controller = &settings.controller;
     let (mass, most_turned) = (controller.tool_mass_kg, controller.plausible_turn_rad);
-    let bears = |c: &Matrix3<f64>, x: Vector3<f64>| c.try_inverse().map_or(Vector3::zeros(), |inverse| inverse * x);
+    let bears =
+        |c: &Matrix3<f64>, x: Vector3<f64>| c.try_inverse().map_or(Vector3::zeros(), |inverse| inverse * x);
     let force = r_from_s.rotation * bears(&settings.compliance.translation, tare.translation);
     let moment = r_from_s.rotation * bears(&settings.compliance.rotation, tare.rotation);
     let weight = Vector3::new(0.0, 0.0, -GRAVITY_M_PER_S2 * mass);
     let known = r_from_s.rotation * Vector3::from(controller.tool_centre_of_mass_in_s_m);
-    let refuse = |holds: bool, answer, limit| if holds { Err(Refusal { answer, limit }) } else { Ok(()) };
+    let refuse = |holds: bool, answer, limit| {
+        if holds {
+            Err(Refusal { answer, limit })
+        } else {
+            Ok(())
+        }
+    };
     if mass > 0.0 {
         let least = GRAVITY_M_PER_S2 * mass / controller.plausible_mass_ratio;
-        refuse(force.norm() < least, ParameterAnswer::ToolMass, mass / controller.plausible_mass_ratio)?;
-        refuse(turned(&force, &weight) > most_turned, ParameterAnswer::SensorFrame, most_turned)?;
+        refuse(
+            force.norm() < least,
+            ParameterAnswer::ToolMass,
+            mass / controller.plausible_mass_ratio,
+        )?;
+        refuse(
+            turned(&force, &weight) > most_turned,
+            ParameterAnswer::SensorFrame,
+            most_turned,
+        )?;
         if known.xy().norm() > TELLING_LEVER_M {
             let turn = turned(&moment, &known.cross(&weight));
             refuse(turn > most_turned, ParameterAnswer::SensorFrame, most_turned)?;
         }
         let most = mass * controller.plausible_mass_ratio;
-        refuse(-force.z > GRAVITY_M_PER_S2 * most, ParameterAnswer::ToolMass, most)?;
+        refuse(
+            -force.z > GRAVITY_M_PER_S2 * most,
+            ParameterAnswer::ToolMass,
+            most,
+        )?;
     }
     let bias = controller.plausible_bias_n;
     refuse(force.xy().amax() > bias, ParameterAnswer::SensorBias, bias)

@@ -51,7 +51,11 @@ impl Controller {
     /// Not part of the cycle: checking parameters allocates.
     pub fn request(&mut self, task: &Task) {
         let (sender, count) = (task.stamp.boot_id, task.stamp.step);
-        if self.requests.sender.is_some_and(|(known, last)| known == sender && count <= last) {
+        if self
+            .requests
+            .sender
+            .is_some_and(|(known, last)| known == sender && count <= last)
+        {
             return;
         }
         self.requests.sender = Some((sender, count));
@@ -59,12 +63,18 @@ impl Controller {
         self.requests.action = TaskAction::None;
         let values = task.parameters.values();
         let given = || (0..).zip(&values).filter_map(|(i, value)| Some((i, (*value)?)));
-        let unsought = given().map(|(i, _)| i).find(|i| WRENCH.contains(i) && !self.seeks_force());
+        let unsought = given()
+            .map(|(i, _)| i)
+            .find(|i| WRENCH.contains(i) && !self.seeks_force());
         if let Some(parameter) = unsought {
-            return self.requests.reply(ParameterAnswer::WrongPhase, Some(parameter), 0.0);
+            return self
+                .requests
+                .reply(ParameterAnswer::WrongPhase, Some(parameter), 0.0);
         }
         if let Err(OutOfRange { parameter, limit }) = self.parameters.accept(&values) {
-            return self.requests.reply(ParameterAnswer::OutOfRange, Some(parameter), limit);
+            return self
+                .requests
+                .reply(ParameterAnswer::OutOfRange, Some(parameter), limit);
         }
         for (i, value) in given() {
             self.configured = self.parameters.accepted.task.clone();
@@ -219,7 +229,8 @@ impl Controller {
             state,
             state_age_s: (tick - self.state_tick) as f64 * TICK_S,
             sensor_age_s: self.silent_s(tick),
-            saturated: self.sensing.saturated() || self.motion.as_ref().is_some_and(|motion| motion.saturated()),
+            saturated: self.sensing.saturated()
+                || self.motion.as_ref().is_some_and(|motion| motion.saturated()),
             lead_m: distance_m(
                 &settings.kinematics.forward(&state.axis_position[0]),
                 &settings.kinematics.forward(&self.commanded),

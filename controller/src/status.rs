@@ -4,7 +4,8 @@ use crate::Controller;
 use nalgebra::Vector3;
 use spatial::kinematics::Axes;
 use spatial::ports::{
-    Authenticity, Command, ControllerPhase, ControllerStatus, Detection, HORIZON, ImpactAssessment, Role, Stamp,
+    Authenticity, Command, ControllerPhase, ControllerStatus, Detection, HORIZON, ImpactAssessment, Role,
+    Stamp,
 };
 use spatial::{Deflection, Pose, Wrench};
 

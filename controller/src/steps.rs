@@ -79,7 +79,11 @@ impl Controller {
                 settings.task.expected_height_m = motion.met_at_m().unwrap_or(expected_m);
                 self.parameters.lead(settings, FORCE, 0.0);
                 motion.begin_insertion(settings, &self.expectation, selection, tick);
-                if motion.presses() { ControllerPhase::Contact } else { ControllerPhase::Approach }
+                if motion.presses() {
+                    ControllerPhase::Contact
+                } else {
+                    ControllerPhase::Approach
+                }
             }
             StepKind::Retract => {
                 motion.begin_retraction(settings, step.distance_m, step.speed_m_per_s, tick);
@@ -95,7 +99,9 @@ impl Controller {
 
     /// See how the present step stands in the cycle at `tick`, and go on to the next one where it has ended.
     pub(crate) fn follow_program(&mut self, tick: i64) {
-        let Some(step) = self.program.step().cloned() else { return };
+        let Some(step) = self.program.step().cloned() else {
+            return;
+        };
         match self.progress(&step, tick) {
             Progress::Goes => {}
             Progress::Done => {
@@ -117,7 +123,9 @@ impl Controller {
 
     fn progress(&mut self, step: &Step, tick: i64) -> Progress {
         let settings = &self.settings;
-        let Some(motion) = &mut self.motion else { return Progress::Goes };
+        let Some(motion) = &mut self.motion else {
+            return Progress::Goes;
+        };
         let elapsed_s = (tick - self.program.began_tick) as f64 * TICK_S;
         let no_contact = Progress::Failed(Fault::NoContact, LIMIT_STEP_SEARCH);
         if elapsed_s > step.timeout_s {
@@ -138,13 +146,21 @@ impl Controller {
                 if !arrived {
                     motion.begin_pressing();
                 }
-                if settled_s >= SETTLED_S + step.duration_s && arrived { Progress::Done } else { Progress::Goes }
+                if settled_s >= SETTLED_S + step.duration_s && arrived {
+                    Progress::Done
+                } else {
+                    Progress::Goes
+                }
             }
             StepKind::Hold => {
                 if motion.presses() {
                     settle(motion, settings, &mut self.phase);
                 }
-                if elapsed_s >= step.duration_s { Progress::Done } else { Progress::Goes }
+                if elapsed_s >= step.duration_s {
+                    Progress::Done
+                } else {
+                    Progress::Goes
+                }
             }
             // A stiff tool sinks slowly: that nothing bears it for longer than a bounce tells of the hole before.
             StepKind::Search if motion.sunk_m() >= step.depth_m || motion.lost() => Progress::Done,
@@ -160,7 +176,9 @@ impl Controller {
 
     /// An insertion: whose way has `ended` or not.
     fn insert(&mut self, step: &Step, ended: bool) -> Progress {
-        let Some(motion) = &self.motion else { return Progress::Goes };
+        let Some(motion) = &self.motion else {
+            return Progress::Goes;
+        };
         if self.phase == ControllerPhase::Approach && motion.in_contact() {
             self.phase = ControllerPhase::Contact;
         } else if motion.yields_by_m() > step.tolerance_m {

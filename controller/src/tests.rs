@@ -4,12 +4,13 @@ mod compliance;
 mod impact;
 mod laws;
 mod phases;
+mod readiness;
 mod samples;
 
 use super::*;
 use node::scenario::{SensorOutput, TaskKind};
-use spatial::{Compliance, Deflection, Wrench};
 use spatial::ports::{Authenticity, ClockEcho, ENCODER_SAMPLES, RobotMode, Role, SampleFlags, Stamp};
+use spatial::{Compliance, Deflection, Wrench};
 
 fn state(tick: i64, axes: Axes) -> RobotState {
     RobotState {

@@ -44,7 +44,7 @@ pub struct Tilting {
 }
 
 /// How long the path's time takes to stop or to go on, s.
-const PACE_S: f64 = 0.2;
+const PACE_S: f64 = 0.4;
 
 /// Where on the path a time is.
 #[derive(Clone, Copy, Debug, PartialEq)]

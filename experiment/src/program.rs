@@ -94,7 +94,11 @@ fn result(scenario: &Scenario, within: &[ControllerStatus], workpiece: usize, re
     let at_s = |status: &ControllerStatus| status.stamp.step as f64 * TICK_S;
     let period_s = scenario.timing.command_period_ticks as f64 * TICK_S;
     let force = |status: &ControllerStatus| status.detection.statistic_n;
-    let end: Vec<f64> = within.iter().filter(|it| at_s(it) > at_s(last) - END_S).map(force).collect();
+    let end: Vec<f64> = within
+        .iter()
+        .filter(|it| at_s(it) > at_s(last) - END_S)
+        .map(force)
+        .collect();
     let kind = usize::try_from(first.program_step)
         .ok()
         .and_then(|i| scenario.program.steps().get(i))

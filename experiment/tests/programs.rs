@@ -34,10 +34,12 @@ fn run(name: &str, overrides: &[&str]) -> (Scenario, Run) {
 #[test]
 fn a_row_of_screws_is_pressed() {
     let (_, run) = run("screws", &[]);
-    println!("{}", Steps(&run.results));
     assert!(succeeded(&run.results), "{}", Steps(&run.results));
     assert_eq!(run.results.len(), 16);
-    assert_eq!((run.last.phase, run.last.fault), (ControllerPhase::Ready, Fault::None));
+    assert_eq!(
+        (run.last.phase, run.last.fault),
+        (ControllerPhase::Ready, Fault::None)
+    );
     for (k, press) in run.results.iter().filter(|step| step.kind == "press").enumerate() {
         assert_eq!(press.workpiece, k);
         assert!((press.end_force_n - 15.0).abs() < 0.3, "{press:?}");
@@ -51,14 +53,17 @@ fn a_row_of_screws_is_pressed() {
 #[test]
 fn a_peg_is_searched_for_and_inserted() {
     let (scenario, run) = run("peg", &[]);
-    println!("{}", Steps(&run.results));
     assert!(succeeded(&run.results), "{}", Steps(&run.results));
-    let deepest = run.truths.iter().min_by(|a, b| {
-        a.tcp_pose.translation.z.total_cmp(&b.tcp_pose.translation.z)
-    });
+    let deepest = run
+        .truths
+        .iter()
+        .min_by(|a, b| a.tcp_pose.translation.z.total_cmp(&b.tcp_pose.translation.z));
     let deepest = deepest.unwrap().tcp_pose.translation.vector;
     assert!((deepest.z + 0.015).abs() < 0.1e-3, "{deepest}");
     let [x, y] = scenario.object.origin_m;
-    assert!((deepest.x - x).abs() < 0.1e-3 && (deepest.y - y).abs() < 0.1e-3, "{deepest}");
+    assert!(
+        (deepest.x - x).abs() < 0.1e-3 && (deepest.y - y).abs() < 0.1e-3,
+        "{deepest}"
+    );
     assert!(run.last.tcp_pose.translation.z > 0.004);
 }

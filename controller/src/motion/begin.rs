@@ -31,7 +31,7 @@ impl Motion {
         let start_m = if fresh {
             self.plan.coordinates[0][NORMAL]
         } else {
-            self.leave_off(settings, 0.0, tick);
+            self.leave_off(settings, 0.0, feeds_forward(settings.controller.law), tick);
             self.contact = None;
             self.share = 0.0;
             self.force_control = ForceControl::new(&settings.controller, selection);
@@ -42,7 +42,13 @@ impl Motion {
         self.inserts = false;
         self.settled_cycles = 0;
         self.select(settings, selection);
-        self.path = Some(Path::new(settings, expectation, self.impact.as_ref(), start_m, tick));
+        self.path = Some(Path::new(
+            settings,
+            expectation,
+            self.impact.as_ref(),
+            start_m,
+            tick,
+        ));
     }
 
     /// Go on down to a position, acting along `selection` in contact.
@@ -56,10 +62,21 @@ impl Motion {
         match self.pressing() {
             Some(contact) => {
                 let taken = spread(since(settings, contact.cycle_tick, tick), contact.tilt_time_s);
-                self.leave_off(settings, taken.distance, tick);
+                self.leave_off(
+                    settings,
+                    taken.distance,
+                    feeds_forward(settings.controller.law),
+                    tick,
+                );
                 self.select(settings, selection);
                 let start_m = self.base(taken.distance)[NORMAL];
-                self.path = Some(Path::new(settings, expectation, self.impact.as_ref(), start_m, tick));
+                self.path = Some(Path::new(
+                    settings,
+                    expectation,
+                    self.impact.as_ref(),
+                    start_m,
+                    tick,
+                ));
             }
             None => self.begin_approach(settings, expectation, selection, tick),
         }
@@ -72,7 +89,13 @@ impl Motion {
     }
 
     /// Press on, and move along a spiral with turns `pitch_m` (m) apart out to `radius_m` (m) at `speed` (m/s).
-    pub(crate) fn begin_search(&mut self, settings: &Settings, selection: Selection, step: &scenario::Step, tick: i64) {
+    pub(crate) fn begin_search(
+        &mut self,
+        settings: &Settings,
+        selection: Selection,
+        step: &scenario::Step,
+        tick: i64,
+    ) {
         self.select(settings, selection);
         self.spiral = Some(Spiral::new(step.pitch_m, step.radius_m, step.speed_m_per_s, tick));
     }
@@ -101,7 +124,10 @@ impl Motion {
         let share = self.pressing().map_or(self.share, |contact| {
             let taken = spread(since(settings, contact.cycle_tick, tick), contact.tilt_time_s);
             // The posture comes to rest as all the motion does.
-            taken.distance + Fade::way_to_rest(&Dofs::ith(0, taken.speed)).x.min(1.0 - taken.distance)
+            taken.distance
+                + Fade::way_to_rest(&Dofs::ith(0, taken.speed))
+                    .x
+                    .min(1.0 - taken.distance)
         });
         self.release(settings, share, tick);
     }
@@ -153,7 +179,9 @@ impl Motion {
     pub(super) fn led(&self, settings: &Settings, tick: i64) -> Vector3<f64> {
         let travelled = |it: Travel| it.at(since(settings, it.start_tick, tick));
         let searched = |it: Spiral| it.at(since(settings, it.start_tick, tick));
-        self.anchor + self.travel.map_or(Vector3::zeros(), travelled) + self.spiral.map_or(Vector3::zeros(), searched)
+        self.anchor
+            + self.travel.map_or(Vector3::zeros(), travelled)
+            + self.spiral.map_or(Vector3::zeros(), searched)
     }
 
     /// No law acts any more, and the motion comes to rest with the share `share` of the posture.
@@ -162,10 +190,11 @@ impl Motion {
             // The tool swings with what it is released from, as if it had been accelerated by that.
             let mass_kg = settings.controller.apparent_mass_kg;
             if mass_kg > 0.0 {
-                self.detector.follow(self.force_n() / mass_kg, settings.period_ticks);
+                self.detector
+                    .follow(self.force_n() / mass_kg, settings.period_ticks);
             }
         }
-        self.leave_off(settings, share, tick);
+        self.leave_off(settings, share, true, tick);
         if let Some(contact) = &mut self.contact {
             contact.released = true;
         }
@@ -175,8 +204,8 @@ impl Motion {
 
     /// Leave the present motion off: it comes to rest where it can without turning back, which becomes the anchor of
     /// what follows.
-    fn leave_off(&mut self, settings: &Settings, share: f64, tick: i64) {
-        let (at, rate) = self.state(settings);
+    fn leave_off(&mut self, settings: &Settings, share: f64, leads: bool, tick: i64) {
+        let (at, rate) = self.state(settings, leads);
         let rest = at + Fade::way_to_rest(&rate);
         self.path = None;
         self.travel = None;
@@ -188,13 +217,20 @@ impl Motion {
 
     /// Coordinates of the hanging tcp at the anchor with the share `share` of the posture.
     fn base(&self, share: f64) -> Dofs {
-        self.frame.coordinates(&self.posture.reference(self.anchor, share))
+        self.frame
+            .coordinates(&self.posture.reference(self.anchor, share))
     }
 
-    /// Coordinates and their rates when the next set-point begins to act: of the simulated axes; where the law does not
-    /// lead them, the coordinates are those of the set-point, which they follow. Its own rate would mean nothing: such a
-    /// law may make it jump.
-    fn state(&self, settings: &Settings) -> (Dofs, Dofs) {
+    /// Whether the axes are led, so that they are where they are to be: by a law that is fed forward, and on all ways but
+    /// the approach by every law.
+    pub(super) fn leads(&self, settings: &Settings) -> bool {
+        feeds_forward(settings.controller.law) || (self.fade.is_some() && self.path.is_none())
+    }
+
+    /// Coordinates and their rates when the next set-point begins to act: of the simulated axes; where what follows does
+    /// not lead them, the coordinates are those of the set-point, which they follow. Its own rate would mean nothing: such
+    /// a law may make it jump.
+    fn state(&self, settings: &Settings, leads: bool) -> (Dofs, Dofs) {
         let (position, velocity) = self.dynamics.state();
         let coordinates = |axes| {
             let r_from_s = settings.kinematics.forward(axes);
@@ -202,7 +238,7 @@ impl Motion {
         };
         let at = coordinates(&position);
         let rate = (coordinates(&(position + velocity * TICK_S)) - at) / TICK_S;
-        if feeds_forward(settings.controller.law) {
+        if leads {
             (at, rate)
         } else {
             (self.plan.commanded, rate)

@@ -61,7 +61,10 @@ mod tests {
         let way = Fade::way_to_rest(&rate);
         assert!((way.z + 1e-3).abs() < 1e-12);
         let fade = Fade::new(-way, rate);
-        assert_eq!((fade.at(-1.0), fade.at(0.1), fade.at(9.0)), (-way, Dofs::zeros(), Dofs::zeros()));
+        assert_eq!(
+            (fade.at(-1.0), fade.at(0.1), fade.at(9.0)),
+            (-way, Dofs::zeros(), Dofs::zeros())
+        );
         let h = 1e-4;
         let at = |i: i32| fade.at(f64::from(i) * h).z;
         for i in 1..1000 {

@@ -20,7 +20,11 @@ impl Travel {
     pub(super) fn new(way: Vector3<f64>, speed: f64, tick: i64) -> Self {
         let length = way.norm();
         Self {
-            direction: if length > SHORTEST_M { way / length } else { Vector3::zeros() },
+            direction: if length > SHORTEST_M {
+                way / length
+            } else {
+                Vector3::zeros()
+            },
             profile: Approach::new(length.max(SHORTEST_M), speed),
             start_tick: tick,
         }
@@ -103,11 +107,18 @@ mod tests {
             let change = (three[2] - three[1] * 2.0 + three[0]).norm() / (h * h);
             assert!(speed < 5e-3 * 1.01 && change < 0.1, "{speed} m/s, {change} m/s^2");
         }
-        assert!(points[count as usize].norm() > 1.85e-3, "{}", points[count as usize]);
+        assert!(
+            points[count as usize].norm() > 1.85e-3,
+            "{}",
+            points[count as usize]
+        );
         // Whatever lies within its radius is within half a pitch of it.
         for at in [[0.4e-3, 0.9e-3], [-1.2e-3, 0.3e-3], [0.0, -1.6e-3]] {
             let hole = Vector3::new(at[0], at[1], 0.0);
-            let nearest = points.iter().map(|point| (point - hole).norm()).fold(1.0, f64::min);
+            let nearest = points
+                .iter()
+                .map(|point| (point - hole).norm())
+                .fold(1.0, f64::min);
             assert!(nearest < 0.26e-3, "{nearest}");
         }
     }

@@ -66,8 +66,12 @@ impl Motion {
     /// Whether the way of a move, a retraction or a search has ended at `tick`.
     pub(crate) fn way_ended(&self, tick: i64) -> bool {
         let lasted_s = |start: i64| (tick - start) as f64 * TICK_S;
-        let travels = self.travel.is_some_and(|it| lasted_s(it.start_tick) <= it.duration_s());
-        let searches = self.spiral.is_some_and(|it| lasted_s(it.start_tick) <= it.duration_s());
+        let travels = self
+            .travel
+            .is_some_and(|it| lasted_s(it.start_tick) <= it.duration_s());
+        let searches = self
+            .spiral
+            .is_some_and(|it| lasted_s(it.start_tick) <= it.duration_s());
         !travels && !searches
     }
 
@@ -107,9 +111,9 @@ impl Motion {
 
     /// Whether the tool hangs freely and the set-points rest at `tick`.
     pub(crate) fn rests_free(&self, tick: i64) -> bool {
-        let faded = self.fade.is_none_or(|(fade, left)| {
-            fade.at((tick - left) as f64 * TICK_S) == Dofs::zeros()
-        });
+        let faded = self
+            .fade
+            .is_none_or(|(fade, left)| fade.at((tick - left) as f64 * TICK_S) == Dofs::zeros());
         let still = self.dynamics.state().1.amax() < STILL_RAD_PER_S;
         self.contact.is_none() && faded && still && self.way_ended(tick)
     }

@@ -44,6 +44,8 @@ fn change(tick: i64, i: usize, value: f64) -> Task {
 struct Said {
     /// Tick and first set-point of each cycle.
     set_points: Vec<(i64, Axes)>,
+    /// Tick and encoder values of each cycle.
+    encoders: Vec<(i64, Axes)>,
     statuses: Vec<ControllerStatus>,
     /// True contact force along z by tick, N.
     force_n: Vec<f64>,
@@ -55,6 +57,7 @@ impl Said {
     fn of(scenario: &Scenario, tasks: &[Task]) -> Self {
         let mut said = Self {
             set_points: Vec::new(),
+            encoders: Vec::new(),
             statuses: Vec::new(),
             force_n: Vec::new(),
             tcp_m: Vec::new(),
@@ -63,8 +66,12 @@ impl Said {
             let truth = &tick.sensor.truth;
             said.force_n.push(truth.contact_force.z);
             said.tcp_m.push(truth.tcp_pose.translation.vector);
+            if let Some(state) = &tick.robot_state {
+                said.encoders.push((state.stamp.step, state.axis_position[0]));
+            }
             if let Some(outputs) = &tick.controller {
-                said.set_points.push((truth.stamp.step, outputs.command.axis_position[0]));
+                said.set_points
+                    .push((truth.stamp.step, outputs.command.axis_position[0]));
                 said.statuses.push(outputs.status);
             }
         });
@@ -72,16 +79,22 @@ impl Said {
     }
 
     fn status_at(&self, tick: i64) -> &ControllerStatus {
-        self.statuses.iter().find(|status| status.stamp.step >= tick).unwrap()
+        self.statuses
+            .iter()
+            .find(|status| status.stamp.step >= tick)
+            .unwrap()
     }
 
-    /// The largest change of a set-point's rate over a cycle from `tick` on, along the axes of translation and of rotation
+    /// The largest acceleration of the motors, over two cycles, from `tick` on, along the axes of translation and of rotation
     /// of a gantry, rad/s^2.
     fn acceleration_from(&self, tick: i64, period_s: f64) -> [f64; 2] {
-        let after = self.set_points.windows(3).filter(|it| it[2].0 >= tick);
+        let after = self.encoders.windows(3).filter(|it| it[2].0 >= tick);
         let change = |it: &[(i64, Axes)]| (it[2].1 - it[1].1 * 2.0 + it[0].1) / (period_s * period_s);
         after.map(change).fold([0.0, 0.0], |[a, b], it| {
-            [a.max(it.fixed_rows::<3>(0).amax()), b.max(it.fixed_rows::<3>(3).amax())]
+            [
+                a.max(it.fixed_rows::<3>(0).amax()),
+                b.max(it.fixed_rows::<3>(3).amax()),
+            ]
         })
     }
 }

@@ -25,13 +25,15 @@ fn a_task_is_started_stopped_and_started_again() {
     assert_eq!(at(500), (ControllerPhase::Approach, 2, ParameterAnswer::Accepted));
     assert_eq!(at(2100).0, ControllerPhase::Settled);
     assert_eq!(at(2200), (ControllerPhase::Ready, 3, ParameterAnswer::Accepted));
-    let pressed = |range: std::ops::Range<usize>| said.force_n[range].iter().fold((f64::MAX, 0.0_f64), |(a, b), f| (a.min(*f), b.max(*f)));
+    let pressed = |range: std::ops::Range<usize>| {
+        said.force_n[range]
+            .iter()
+            .fold((f64::MAX, 0.0_f64), |(a, b), f| (a.min(*f), b.max(*f)))
+    };
     let (least, most) = pressed(2200..2800);
-    println!("after the stop {least} to {most} N");
     assert!(least > 9.0 && most < 11.0, "{least} to {most} N");
     assert_eq!(at(3500), (ControllerPhase::Settled, 4, ParameterAnswer::Accepted));
     let (least, most) = pressed(2800..4000);
-    println!("after the second start {least} to {most} N");
     assert!(least > 7.0 && most < 13.0, "{least} to {most} N");
 }
 
@@ -64,9 +66,29 @@ fn a_fault_is_reset_and_the_task_started_again() {
         (status.phase, status.fault, status.task_answer)
     };
     assert_eq!(at(2900).1, Fault::NoContact);
-    assert_eq!(at(3000), (ControllerPhase::Fault, Fault::NoContact, ParameterAnswer::FaultLatched));
-    assert_eq!(at(3100), (ControllerPhase::Ready, Fault::None, ParameterAnswer::Accepted));
-    assert_eq!(at(3200), (ControllerPhase::Sync, Fault::None, ParameterAnswer::Accepted));
+    assert_eq!(
+        at(3000),
+        (
+            ControllerPhase::Fault,
+            Fault::NoContact,
+            ParameterAnswer::FaultLatched
+        )
+    );
+    assert_eq!(
+        at(3100),
+        (ControllerPhase::Ready, Fault::None, ParameterAnswer::Accepted)
+    );
+    assert_eq!(
+        at(3200),
+        (ControllerPhase::Sync, Fault::None, ParameterAnswer::Accepted)
+    );
     assert_eq!(at(3600).0, ControllerPhase::Ready);
-    println!("{:?} {:?}", at(6000), at(8900));
+    assert_eq!(
+        at(6000),
+        (ControllerPhase::Approach, Fault::None, ParameterAnswer::Accepted)
+    );
+    assert_eq!(
+        at(8900),
+        (ControllerPhase::Settled, Fault::None, ParameterAnswer::Accepted)
+    );
 }

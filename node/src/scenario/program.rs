@@ -69,7 +69,15 @@ impl StepKind {
             Self::Approach => &["kind", "timeout_s", "speed_m_per_s", "force_n", "depth_m"],
             Self::Press => &["kind", "timeout_s", "force_n", "duration_s"],
             Self::Hold => &["kind", "timeout_s", "duration_s"],
-            Self::Search => &["kind", "timeout_s", "speed_m_per_s", "force_n", "depth_m", "radius_m", "pitch_m"],
+            Self::Search => &[
+                "kind",
+                "timeout_s",
+                "speed_m_per_s",
+                "force_n",
+                "depth_m",
+                "radius_m",
+                "pitch_m",
+            ],
             Self::Insert => &["kind", "timeout_s", "speed_m_per_s", "depth_m", "tolerance_m"],
             Self::Retract => &["kind", "timeout_s", "speed_m_per_s", "distance_m"],
             Self::Next => &["kind", "offset_m", "first", "count"],
@@ -107,11 +115,17 @@ impl Step {
             let known = step.kind.keys();
             for (name, span) in given.into_iter().filter(|(name, _)| !known.contains(name)) {
                 let (kind, known) = (super::choice::word(&step.kind), known.join(", "));
-                let text = format!("program.step[{i}].{name} means nothing to the kind {kind:?}, which knows {known}");
+                let text = format!(
+                    "program.step[{i}].{name} means nothing to the kind {kind:?}, which knows {known}"
+                );
                 refused.push((place(span), Refusal::Conflict(text)));
             }
         }
-        if refused.is_empty() { Ok(step) } else { Err(refused) }
+        if refused.is_empty() {
+            Ok(step)
+        } else {
+            Err(refused)
+        }
     }
 
     fn put(
@@ -129,7 +143,15 @@ impl Step {
                 let known: Vec<_> = all.fields().map(|field| schema::split(field.path).1).collect();
                 let near = names::Near::to(name, known.iter().map(|known| (*known, (*known).to_owned())));
                 let (section, known) = ("[program.step]".to_owned(), known.join(", "));
-                Err(vec![(value.span(), Refusal::UnknownKey { path, section, known, near })])
+                Err(vec![(
+                    value.span(),
+                    Refusal::UnknownKey {
+                        path,
+                        section,
+                        known,
+                        near,
+                    },
+                )])
             }
         }
     }
@@ -148,7 +170,10 @@ impl Program {
 
     /// The largest force that a step presses with, N; 0: none does.
     pub(super) fn largest_force_n(&self) -> f64 {
-        let pressing = self.steps().iter().filter(|step| step.kind.keys().contains(&"force_n"));
+        let pressing = self
+            .steps()
+            .iter()
+            .filter(|step| step.kind.keys().contains(&"force_n"));
         pressing.fold(0.0, |most, step| most.max(step.force_n))
     }
 }
@@ -178,12 +203,16 @@ impl Scenario {
             conflicts.require(
                 needs != Some(true) || touching,
                 STEPS,
-                format!("program.step[{i}] is a {kind}, but nothing is touched before it; put an approach there"),
+                format!(
+                    "program.step[{i}] is a {kind}, but nothing is touched before it; put an approach there"
+                ),
             );
             conflicts.require(
                 needs != Some(false) || !touching,
                 STEPS,
-                format!("program.step[{i}] is a {kind}, but the object is still touched before it; retract first"),
+                format!(
+                    "program.step[{i}] is a {kind}, but the object is still touched before it; retract first"
+                ),
             );
             touching = leaves;
             match step.kind {
@@ -197,9 +226,13 @@ impl Scenario {
     /// Where `next`, step `i`, leads.
     fn check_next(&self, conflicts: &mut Conflicts, i: usize, step: &Step) {
         const STEPS: &[&str] = &["program.step"];
-        let (steps, first) = (self.program.steps(), usize::try_from(step.first).unwrap_or(usize::MAX));
-        let starts_free =
-            steps.get(first).is_some_and(|it| !matches!(it.kind, StepKind::Press | StepKind::Search));
+        let (steps, first) = (
+            self.program.steps(),
+            usize::try_from(step.first).unwrap_or(usize::MAX),
+        );
+        let starts_free = steps
+            .get(first)
+            .is_some_and(|it| !matches!(it.kind, StepKind::Press | StepKind::Search));
         conflicts.require(
             first < i && starts_free,
             STEPS,
@@ -209,7 +242,11 @@ impl Scenario {
             ),
         );
         let last = step.offset_m.map(|offset| offset * (step.count - 1) as f64);
-        for (k, moved) in steps.iter().enumerate().filter(|(k, it)| *k < i && it.kind == StepKind::Move) {
+        for (k, moved) in steps
+            .iter()
+            .enumerate()
+            .filter(|(k, it)| *k < i && it.kind == StepKind::Move)
+        {
             self.check_move(conflicts, k, moved, last);
         }
     }

@@ -78,10 +78,17 @@ pub(super) fn run(
     } else {
         for Outcome { law, steps, .. } in &outcomes {
             let data = args.out.join(law);
-            print(format_args!("law {law}; data: {0}.lcmlog, {0}.csv\n", data.display()))?;
+            print(format_args!(
+                "law {law}; data: {0}.lcmlog, {0}.csv\n",
+                data.display()
+            ))?;
             print(format_args!("{}\n", Steps(steps)))?;
         }
     }
     let all_well = outcomes.iter().all(|outcome| outcome.succeeded);
-    Ok(if all_well { ExitCode::SUCCESS } else { ExitCode::from(crate::cli::FAILED) })
+    Ok(if all_well {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::from(crate::cli::FAILED)
+    })
 }
