@@ -9,10 +9,10 @@ touchdown := target/release/touchdown
 
 all_laws := pd,pd-reset,literal,proposed,impedance
 
-.PHONY: help demo laws test bits bench doctor check format lint doc clean
+.PHONY: help demo laws free-motion test bits bench doctor check format lint doc clean
 
 help: ## list the targets (default)
-	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile | expand -t 10
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 13
 
 demo: ## the paper's experiment with both laws, as three processes over LCM: table, figure, data in target/demo
 	@$(build)
@@ -25,6 +25,14 @@ laws: ## every law on every robot over contact phases and seeds: docs/laws.txt
 	   $(touchdown) compare elastic --robots elastic --kinematics gantry,arm --laws $(all_laws); } >target/laws.txt
 	@mv target/laws.txt docs/laws.txt
 	@cat docs/laws.txt
+
+free-motion: ## what free motion leaves swinging, shaped and not, on every robot: docs/free-motion.txt
+	@$(build)
+	@{ $(touchdown) free-motion paper && $(touchdown) free-motion elastic && $(touchdown) free-motion arm && \
+	   $(touchdown) free-motion arm --set robot.gears=elastic --set controller.gears.kind=elastic; } \
+	   >target/free-motion.txt
+	@mv target/free-motion.txt docs/free-motion.txt
+	@cat docs/free-motion.txt
 
 test: ## all tests
 	@./setup.sh test cargo test --workspace --locked

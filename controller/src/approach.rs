@@ -1,22 +1,19 @@
-//! The free motion towards the object: a straight line with smooth changes of speed.
+//! The free motion towards the object: a straight line with shaped changes of speed.
 
-/// Position, velocity and acceleration along a path: m, m/s, m/s^2.
+use crate::shaping::{Point, Shape};
+
+/// Value, rate and its rate along a path: 1, 1/s, 1/s^2.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PathPoint {
-    /// Distance travelled, m.
-    pub distance: f64,
-    /// m/s.
-    pub speed: f64,
-    /// m/s^2.
+pub struct Share {
+    /// From 0 to 1.
+    pub value: f64,
+    /// 1/s.
+    pub rate: f64,
+    /// 1/s^2.
     pub acceleration: f64,
 }
 
-/// How long the speed takes to change by `change` (m/s), s. Model choice (PLANT.md section 2).
-fn ramp_time(change: f64) -> f64 {
-    (change / 0.25).max(0.1)
-}
-
-/// A stretch over which the speed goes from one value to another as `10 s^3 - 15 s^4 + 6 s^5`.
+/// A stretch over which the speed goes from one value to another.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Stretch {
     duration: f64,
@@ -25,51 +22,58 @@ struct Stretch {
 }
 
 impl Stretch {
-    fn ramp(before: f64, after: f64, duration: f64) -> Self {
+    fn ramp(shape: &Shape, before: f64, after: f64) -> Self {
         Self {
-            duration,
+            duration: shape.ramp_time(after - before),
             before,
             after,
         }
     }
 
     fn cruise(speed: f64, length: f64) -> Self {
-        Self::ramp(speed, speed, (length / speed).max(0.0))
+        Self {
+            duration: (length / speed).max(0.0),
+            before: speed,
+            after: speed,
+        }
     }
 
     fn length(&self) -> f64 {
         0.5 * (self.before + self.after) * self.duration
     }
 
-    fn at(&self, time: f64) -> PathPoint {
-        let (change, s) = (self.after - self.before, time / self.duration);
-        PathPoint {
-            distance: self.before * time + change * self.duration * s * s * s * s * (2.5 + s * (s - 3.0)),
-            speed: self.before + change * s * s * s * (10.0 + s * (6.0 * s - 15.0)),
-            acceleration: change / self.duration * 30.0 * s * s * (1.0 - s) * (1.0 - s),
+    fn at(&self, shape: &Shape, time: f64) -> Point {
+        if self.before == self.after {
+            return Point {
+                distance: self.before * time,
+                speed: self.before,
+                ..Point::default()
+            };
         }
+        shape.ramp(self.before, self.after - self.before, time)
     }
 }
 
 /// From rest at `speed` to where the object may be, on at the speed of the search until it is met, and to rest.
 ///
-/// Where nothing is known of the object, all of the way is search. Each change of speed takes
-/// `max(0.1 s, change / 0.25 m/s^2)`.
+/// Where nothing is known of the object, all of the way is search. How long a change of speed takes, its shape says.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Approach {
+    shape: Shape,
     stretches: [Stretch; 5],
 }
 
 impl Approach {
     /// Over `length` (m) with at most `speed` (m/s): less where the way is too short to reach it.
-    pub fn new(length: f64, speed: f64) -> Self {
-        let ramp = ramp_time(speed);
-        let speed = speed.min(length / ramp);
+    pub fn new(shape: Shape, length: f64, speed: f64) -> Self {
+        let speed = speed.min(shape.speed_within(1.0, length));
+        let [up, down] = [(0.0, speed), (speed, 0.0)].map(|(from, to)| Stretch::ramp(&shape, from, to));
         Self {
+            shape,
             stretches: [
-                Stretch::ramp(0.0, speed, ramp),
-                Stretch::cruise(speed, length - speed * ramp),
-                Stretch::ramp(speed, 0.0, ramp),
+                up,
+                Stretch::cruise(speed, length - up.length() - down.length()),
+                down,
                 Stretch::default(),
                 Stretch::default(),
             ],
@@ -77,27 +81,21 @@ impl Approach {
     }
 
     /// Over `free` (m) with at most `speed` (m/s), and `search` (m) with `search_speed`, which is the slower one.
-    pub fn with_search(free: f64, speed: f64, search: f64, search_speed: f64) -> Self {
-        // No faster than what can start and be held within the free way, and stop within the search: `slow^2 / (2 0.25
-        // m/s^2)`, or half of 0.1 s at that speed.
+    pub fn with_search(shape: Shape, free: f64, speed: f64, search: f64, search_speed: f64) -> Self {
+        // No faster than what can start and be held within the free way (`slow/2 R(slow) + slow R(0)`, R the time of a
+        // ramp, which is at most `2 (slow/2 R(2 slow))`), and stop within the search.
         let slow = search_speed
             .min(speed)
-            .min(free / (0.5 * ramp_time(search_speed) + ramp_time(0.0)))
-            .min((20.0 * search).min((0.5 * search).sqrt()));
-        // What fits into the free way: half of each ramp's duration at full speed.
-        let (ramp_up, ramp_down) = (ramp_time(speed), ramp_time(speed - slow));
-        let speed = speed
-            .min((2.0 * free - slow * ramp_down) / (ramp_up + ramp_down))
-            .max(slow);
-        let (ramp_up, ramp_down) = (ramp_time(speed), ramp_time(speed - slow));
-        let stop = ramp_time(slow);
-        let ramps = [
-            Stretch::ramp(0.0, speed, ramp_up),
-            Stretch::ramp(speed, slow, ramp_down),
-            Stretch::ramp(slow, 0.0, stop),
-        ];
-        let [up, down, end] = ramps;
+            .min(shape.speed_within(1.5, free))
+            .min(shape.speed_within(0.5, search));
+        // What fits into the free way: `speed/2 R(speed) + (speed + slow)/2 R(speed - slow)`, which is
+        // `speed R(speed) + slow/2 R(0) - slow^2/(2 a)`.
+        let kept = 0.5 * slow * (slow / shape.acceleration() - shape.ramp_time(0.0));
+        let speed = speed.min(shape.speed_within(1.0, free + kept)).max(slow);
+        let [up, down, end] =
+            [(0.0, speed), (speed, slow), (slow, 0.0)].map(|(from, to)| Stretch::ramp(&shape, from, to));
         Self {
+            shape,
             stretches: [
                 up,
                 Stretch::cruise(speed, free - up.length() - down.length()),
@@ -114,12 +112,12 @@ impl Approach {
     }
 
     /// The point `time` s after the start; at rest before and after.
-    pub fn at(&self, time: f64) -> PathPoint {
+    pub fn at(&self, time: f64) -> Point {
         let (mut time, mut distance) = (time.max(0.0), 0.0);
         for stretch in &self.stretches {
             if time < stretch.duration {
-                let point = stretch.at(time);
-                return PathPoint {
+                let point = stretch.at(&self.shape, time);
+                return Point {
                     distance: distance + point.distance,
                     ..point
                 };
@@ -127,19 +125,19 @@ impl Approach {
             time -= stretch.duration;
             distance += stretch.length();
         }
-        PathPoint {
+        Point {
             distance,
-            ..PathPoint::default()
+            ..Point::default()
         }
     }
 }
 
 /// How a value from 0 to 1 is spread over `duration` (s): the quintic with no speed and acceleration at its ends.
-pub fn spread(time: f64, duration: f64) -> PathPoint {
+pub fn spread(time: f64, duration: f64) -> Share {
     let s = (time / duration).clamp(0.0, 1.0);
-    PathPoint {
-        distance: s * s * s * (10.0 + s * (6.0 * s - 15.0)),
-        speed: 30.0 * s * s * (1.0 - s) * (1.0 - s) / duration,
+    Share {
+        value: s * s * s * (10.0 + s * (6.0 * s - 15.0)),
+        rate: 30.0 * s * s * (1.0 - s) * (1.0 - s) / duration,
         acceleration: 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / (duration * duration),
     }
 }
@@ -149,31 +147,48 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// That speed and acceleration are the derivatives of the distance.
-    fn consistent(at: impl Fn(f64) -> PathPoint, time: f64, scale: f64) {
+    /// That `[value, rate, acceleration]` are derivatives of each other.
+    fn consistent(at: impl Fn(f64) -> [f64; 3], time: f64, scale: f64) {
         let h = 1e-5;
         let (before, now, after) = (at(time - h), at(time), at(time + h));
-        assert!(((after.distance - before.distance) / (2.0 * h) - now.speed).abs() < 1e-6 * scale);
-        assert!(((after.speed - before.speed) / (2.0 * h) - now.acceleration).abs() < 1e-4 * scale);
+        assert!(((after[0] - before[0]) / (2.0 * h) - now[1]).abs() < 1e-6 * scale);
+        assert!(((after[1] - before[1]) / (2.0 * h) - now[2]).abs() < 1e-4 * scale);
+    }
+
+    fn along(path: &Approach) -> impl Fn(f64) -> [f64; 3] + '_ {
+        |time| {
+            let Point {
+                distance,
+                speed,
+                acceleration,
+                ..
+            } = path.at(time);
+            [distance, speed, acceleration]
+        }
+    }
+
+    fn shape() -> Shape {
+        Shape::smooth(2.0, 14.0, 0.01)
     }
 
     proptest! {
         #[test]
         fn the_path_is_smooth_and_complete(length in 0.001..0.5, speed in 0.001..0.5, share in 0.01..0.99) {
-            let path = Approach::new(length, speed);
-            consistent(|t| path.at(t), share * path.duration(), 10.0);
+            let path = Approach::new(shape(), length, speed);
+            consistent(along(&path), share * path.duration(), 10.0);
             prop_assert!((path.at(path.duration()).distance - length).abs() < 1e-12);
-            prop_assert_eq!(path.at(0.0), PathPoint::default());
+            prop_assert_eq!(path.at(0.0), Point::default());
             prop_assert_eq!(path.at(path.duration() + 1.0).speed, 0.0);
-            prop_assert!(path.at(share * path.duration()).speed <= speed * (1.0 + 1e-12));
+            let point = path.at(share * path.duration());
+            prop_assert!(point.speed <= speed * (1.0 + 1e-12) && point.acceleration.abs() <= 2.0, "{point:?}");
         }
 
         #[test]
         fn the_search_is_slow_and_begins_where_the_free_way_ends(
             free in 0.001..0.5, search in 0.001..0.02, speed in 0.001..0.5, slow in 1e-4..0.01, share in 0.01..0.99
         ) {
-            let path = Approach::with_search(free, speed, search, slow);
-            consistent(|t| path.at(t), share * path.duration(), 10.0);
+            let path = Approach::with_search(shape(), free, speed, search, slow);
+            consistent(along(&path), share * path.duration(), 10.0);
             let point = path.at(share * path.duration());
             prop_assert!(point.speed <= speed * (1.0 + 1e-12));
             prop_assert!(point.distance < free - 1e-9 || point.speed <= slow * (1.0 + 1e-9), "{point:?}");
@@ -182,8 +197,23 @@ mod tests {
         }
 
         #[test]
+        fn a_trapezoid_is_complete_too(length in 0.001..0.5, search in 0.001..0.02, speed in 0.001..0.5) {
+            let shape = Shape::trapezoid(2.0);
+            for (path, length) in [
+                (Approach::new(shape, length, speed), length),
+                (Approach::with_search(shape, length, speed, search, 0.002), length + search),
+            ] {
+                prop_assert!((path.at(path.duration()).distance - length).abs() < 1e-9);
+            }
+        }
+
+        #[test]
         fn spreading_is_smooth(share in 0.01..0.99) {
-            consistent(|t| spread(t, 0.1), share * 0.1, 1000.0);
+            let at = |time| {
+                let Share { value, rate, acceleration } = spread(time, 0.1);
+                [value, rate, acceleration]
+            };
+            consistent(at, share * 0.1, 1000.0);
         }
     }
 }

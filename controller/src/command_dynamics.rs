@@ -72,24 +72,23 @@ impl CommandDynamics {
         }
     }
 
-    /// Position (rad) and velocity (rad/s) of the axes when the next set-point begins to act.
-    pub fn state(&self) -> (Axes, Axes) {
-        (self.position, self.velocity)
-    }
-
     /// The set-point at which a robot at `position` moving with `velocity` accelerates with `acceleration`:
     /// the inverse `c = x + 2 zeta / w x' + x'' / w^2`. Linear, hence for any coordinate.
     pub fn inverse(&self, position: f64, velocity: f64, acceleration: f64) -> f64 {
         position + (2.0 * self.damping * velocity + acceleration / self.frequency) / self.frequency
     }
 
-    /// The next set-points (rad) of a robot that is to be where `desired` says at the coming instants, with the
+    /// What a robot is to do at the coming instants, of which `desired` says where it is to be.
+    pub fn targets(&self, desired: &[Axes; PREVIEW]) -> [Target; HORIZON] {
+        std::array::from_fn(|i| Target::ahead([&desired[i], &desired[i + 1], &desired[i + 2]], self.period()))
+    }
+
+    /// The next set-points (rad) of a robot that is to do what `targets` says at the coming instants, with the
     /// reference model's `bandwidth` w_r (rad/s).
-    pub fn follow(&self, desired: &[Axes; PREVIEW], bandwidth: f64) -> [Axes; HORIZON] {
+    pub fn follow(&self, targets: &[Target; HORIZON], bandwidth: f64) -> [Axes; HORIZON] {
         let mut ahead = *self;
-        std::array::from_fn(|i| {
-            let target = Target::ahead([&desired[i], &desired[i + 1], &desired[i + 2]], self.period());
-            let setpoint = ahead.towards(&target, bandwidth);
+        targets.each_ref().map(|target| {
+            let setpoint = ahead.towards(target, bandwidth);
             ahead.advance(&setpoint);
             setpoint
         })
@@ -134,6 +133,15 @@ impl CommandDynamics {
         (self.velocity - before) / self.period()
     }
 
+    /// Where the robot will be when the next set-point begins to act.
+    pub fn reached(&self) -> Target {
+        Target {
+            position: self.position,
+            velocity: self.velocity,
+            acceleration: Axes::from_fn(|axis, _| self.acceleration(axis, self.setpoint[axis])),
+        }
+    }
+
     fn period(&self) -> f64 {
         self.period_ticks as f64 * TICK_S
     }
@@ -156,7 +164,7 @@ mod tests {
 
     /// One period towards a desired position that stays.
     fn step(dynamics: &mut CommandDynamics, target: f64, bandwidth: f64) {
-        let setpoints = dynamics.follow(&[Axes::repeat(target); PREVIEW], bandwidth);
+        let setpoints = dynamics.follow(&dynamics.targets(&[Axes::repeat(target); PREVIEW]), bandwidth);
         dynamics.advance(&setpoints[0]);
     }
 
@@ -199,7 +207,7 @@ mod tests {
         for period in 1..200 {
             let t = |i: usize| f64::from(period) * 4e-3 + i as f64 * 4e-3;
             let desired = std::array::from_fn(|i| Axes::repeat(path(t(i))));
-            let setpoints = dynamics.follow(&desired, TAU * 20.0);
+            let setpoints = dynamics.follow(&dynamics.targets(&desired), TAU * 20.0);
             dynamics.advance(&setpoints[0]);
             let error = dynamics.position.y - path(t(0));
             assert!(error.abs() < 10e-6, "{error} at {} s", t(0));

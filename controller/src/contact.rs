@@ -6,6 +6,17 @@ use spatial::ports::HORIZON;
 /// the last ones' velocity and acceleration follow.
 pub const PREVIEW: usize = HORIZON + 2;
 
+/// A motion along one degree of freedom at an instant: m, m/s, m/s^2, or rad, rad/s, rad/s^2.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Waypoint {
+    /// x.
+    pub position: f64,
+    /// x'.
+    pub rate: f64,
+    /// x''.
+    pub change: f64,
+}
+
 /// One sample of the sensor in contact, paired with the pose at its instant. Coordinates in m or rad, wrench in N or
 /// Nm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,7 +1,8 @@
 //! The force laws behind one interface, for one degree of freedom each.
 
-use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch};
+use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch, Waypoint};
 use crate::dofs::{Dofs, NORMAL, Selection};
+use crate::elastic::Elastic;
 use crate::impedance::Impedance;
 use crate::literal::Literal;
 use crate::object_model::ObjectModel;
@@ -11,7 +12,11 @@ use node::scenario;
 use spatial::ports::Law;
 
 /// A law that moves the tcp along one degree of freedom, from the first contact on. Chosen in the configuration.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there are six per controller, and they are not moved"
+)]
 pub enum DofLaw {
     /// Eq. (1).
     Pd(Pd),
@@ -21,6 +26,8 @@ pub enum DofLaw {
     Proposed(ObjectModel),
     /// The object model, approached as a mass with damper and spring.
     Impedance(Impedance),
+    /// The object model behind elastic gears, along the normal.
+    Elastic(Elastic),
 }
 
 impl DofLaw {
@@ -30,18 +37,19 @@ impl DofLaw {
         let object = || ObjectModel::new(&controller.proposed);
         match controller.law {
             Law::Literal => Self::Literal(Literal::default()),
-            Law::Proposed => Self::Proposed(object()),
+            // Along the normal `ForceControl::new` has the law for elastic gears.
+            Law::Proposed | Law::Elastic => Self::Proposed(object()),
             Law::Impedance => Self::Impedance(Impedance::new(&controller.impedance, dof, object())),
             Law::PdReset => Self::Pd(Pd::new(&controller.pd, dof, true)),
             // Those that do not exist yet are refused with the scenario.
-            Law::Pd | Law::Elastic | Law::Ros2 | Law::Fzi => Self::Pd(Pd::new(&controller.pd, dof, false)),
+            Law::Pd | Law::Ros2 | Law::Fzi => Self::Pd(Pd::new(&controller.pd, dof, false)),
         }
     }
 
     /// The object moves with `rate` (m/s or rad/s) as the contact begins: for a law that predicts it.
     pub fn expect(&mut self, rate: f64) {
         match self {
-            Self::Pd(_) | Self::Literal(_) => {}
+            Self::Pd(_) | Self::Literal(_) | Self::Elastic(_) => {}
             Self::Proposed(law) => law.expect(rate),
             Self::Impedance(law) => law.expect(rate),
         }
@@ -54,6 +62,7 @@ impl DofLaw {
             Self::Literal(law) => law.take(sample),
             Self::Proposed(law) => law.take(sample),
             Self::Impedance(law) => law.take(sample),
+            Self::Elastic(law) => law.take(sample),
         }
     }
 
@@ -64,6 +73,7 @@ impl DofLaw {
             Self::Literal(law) => [law.set_point(aim, situation.commanded); PREVIEW],
             Self::Proposed(law) => law.desired(aim, situation),
             Self::Impedance(law) => law.desired(aim, situation),
+            Self::Elastic(law) => law.desired(aim, situation),
         }
     }
 
@@ -74,6 +84,7 @@ impl DofLaw {
             Self::Literal(law) => law.object(),
             Self::Proposed(law) => law.object(),
             Self::Impedance(law) => law.object(),
+            Self::Elastic(law) => law.object(),
         }
     }
 }
@@ -81,7 +92,7 @@ impl DofLaw {
 /// Whether the law says where the robot is to be, which the feed-forward of Fig. 2 turns into set-points, already in
 /// the approach; otherwise its word is the set-point, and the robot lags behind.
 pub fn feeds_forward(law: Law) -> bool {
-    matches!(law, Law::Proposed | Law::Impedance)
+    matches!(law, Law::Proposed | Law::Impedance | Law::Elastic)
 }
 
 /// The law for each force controlled degree of freedom.
@@ -92,11 +103,29 @@ pub struct ForceControl {
 }
 
 impl ForceControl {
-    /// The configured law along the degrees of freedom of `selection`.
-    pub fn new(controller: &scenario::Controller, selection: Selection) -> Self {
-        Self {
-            selection,
-            laws: std::array::from_fn(|dof| DofLaw::new(controller, dof)),
+    /// The configured law along the degrees of freedom of `selection`; along the normal, the one for `elastic` gears, if
+    /// there is any.
+    pub fn new(controller: &scenario::Controller, selection: Selection, elastic: Option<Elastic>) -> Self {
+        let mut laws = std::array::from_fn(|dof| DofLaw::new(controller, dof));
+        if let Some(elastic) = elastic {
+            laws[NORMAL] = DofLaw::Elastic(elastic);
+        }
+        Self { selection, laws }
+    }
+
+    /// The command filters will be at the coordinate `waypoint` along the normal at `time_s` (s), when the next set-point
+    /// begins to act: for a law that predicts the robot.
+    pub fn track(&mut self, time_s: f64, waypoint: impl FnOnce() -> Waypoint) {
+        if let DofLaw::Elastic(law) = &mut self.laws[NORMAL] {
+            law.track(time_s, waypoint());
+        }
+    }
+
+    /// The motion of the command filters along the normal that the last demand asked for, if a law plans it.
+    pub fn motion(&self) -> Option<&[Waypoint; PREVIEW]> {
+        match &self.laws[NORMAL] {
+            DofLaw::Elastic(law) => law.motion(),
+            _ => None,
         }
     }
 

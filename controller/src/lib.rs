@@ -7,6 +7,7 @@
 //! |---|---|---|
 //! | actual pose and deflection at the same instant | [`pairing`] | below (2) |
 //! | object expected before the contact | [`expectation`], [`approach`] | II-B, IV-C, footnote 3 |
+//! | free motion that leaves nothing swinging | [`shaping`], [`approach`] | VI |
 //! | contact or not | [`detection`] | V |
 //! | between sensor and tcp | [`transform`] | (3)-(12) |
 //! | force controlled or not, per degree of freedom | [`dofs`] | III |
@@ -15,6 +16,7 @@
 //! | task description, sample by sample | [`literal`] | (2) |
 //! | object measured once, then refined and extrapolated | [`object_model`], [`fading_memory`] | (2), (12) |
 //! | impedance as the task | [`impedance`] | II |
+//! | the object behind elastic gears | [`elastic`] | VI |
 //! | feed-forward of the position control | [`command_dynamics`] | Fig. 2, II-B |
 //! | desired force as a disturbance of the position control | [`disturbance`] | II-B |
 //! | posture that keeps the tool's orientation | [`posture`] | (9)-(11), Fig. 5 |
@@ -36,6 +38,7 @@ pub mod detection;
 pub mod disturbance;
 pub mod dofs;
 pub mod drift;
+pub mod elastic;
 pub mod expectation;
 pub mod fading_memory;
 pub mod impact;
@@ -46,6 +49,7 @@ pub mod object_model;
 pub mod pairing;
 pub mod pd;
 pub mod posture;
+pub mod shaping;
 pub mod tare;
 pub mod tilting;
 pub mod transform;

@@ -2,6 +2,7 @@
 
 mod begin;
 mod fade;
+mod normal;
 mod path;
 mod plan;
 mod route;
@@ -12,16 +13,19 @@ mod told;
 pub(crate) use sensed::Sample;
 
 use crate::Settings;
-use crate::approach::{PathPoint, spread};
+use crate::approach::{Share, spread};
 use crate::command_dynamics::CommandDynamics;
 use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch};
 use crate::detection::Detector;
 use crate::disturbance::Disturbance;
 use crate::dofs::{Dofs, NORMAL, Selection, TaskFrame, TcpCompliance};
+use crate::elastic::Elastic;
 use crate::expectation::Expectation;
 use crate::impact::ImpactMonitor;
 use crate::law::ForceControl;
 use crate::posture::Posture;
+use crate::shaping::swing::Swing;
+use crate::shaping::{Point, Shape};
 use fade::Fade;
 use nalgebra::Vector3;
 use path::{Path, since};
@@ -29,7 +33,7 @@ use plan::{Plan, bound_lead};
 use route::{Spiral, Travel};
 use sensed::{Contact, Sensed};
 use spatial::kinematics::{Axes, Unreachable, join};
-use spatial::ports::{HORIZON, SampleFlags};
+use spatial::ports::{HORIZON, Law, SampleFlags};
 use spatial::{Compliance, Deflection, Pose, TICK_S};
 use statics::tcp_compliance;
 use std::f64::consts::TAU;
@@ -45,6 +49,9 @@ pub(crate) struct Motion {
     compliance: TcpCompliance,
     /// `C f_d`.
     desired_displacement: Dofs,
+    /// What the tool's acceleration deflects, and how a change of speed takes that into account.
+    swing: Swing,
+    shape: Shape,
     /// From the start to where the present step has begun, m in r.
     anchor: Vector3<f64>,
     /// From the nominal to the hanging tcp, m in r.
@@ -108,8 +115,10 @@ impl Motion {
             flags: SampleFlags::default(),
             axes: *start,
         };
+        let swing = Swing::new(controller, &settings.kinematics, start);
         let compliance = tcp_compliance(&settings.compliance, &posture, &r_from_s, &selection);
         let noise_n = noise_m / compliance.along(NORMAL);
+        let elastic = settings.elastic.clone().map(Elastic::new);
         // What the tool's inertia deflects looks like as much more force as the sensor is softer than assumed.
         let softer = if controller.adaptation.enabled {
             controller.adaptation.maximum_ratio
@@ -123,6 +132,8 @@ impl Motion {
             posture,
             compliance,
             desired_displacement: posture.desired_displacement(),
+            swing,
+            shape: Shape::new(&controller.shaping, &swing),
             anchor: Vector3::zeros(),
             sag: hanging.translation.vector - (r_from_s * nalgebra::Point3::from(settings.d)).coords,
             path: None,
@@ -144,7 +155,7 @@ impl Motion {
                 controller.apparent_mass_kg * softer,
                 controller.detection_fading_s,
             ),
-            force_control: ForceControl::new(controller, selection),
+            force_control: ForceControl::new(controller, selection, elastic),
             impact,
             contact: None,
             newest: Sensed::new(&sample, &r_from_s, &posture, &compliance),
@@ -184,8 +195,10 @@ impl Motion {
         }
         if approaching && self.contact.is_none() && sensed.normal_force_n > self.detector.threshold_n() {
             let reached = tick + settings.lead() * settings.period_ticks;
-            let distance_m = self.path.map_or(0.0, |path| path.at(settings, reached).distance);
-            self.contact = Some(Contact::new(settings, &sensed, tick, distance_m));
+            let met = self
+                .path
+                .map_or(Point::default(), |path| path.at(settings, reached));
+            self.contact = Some(Contact::new(settings, &sensed, tick, met));
             if let Some(impact) = &mut self.impact {
                 impact.contact();
             }
@@ -214,9 +227,9 @@ impl Motion {
         self.path.map_or(0.0, |path| path.lasted_s(tick))
     }
 
-    /// How long the approach lasts at most, s.
-    pub(crate) fn approach_duration(&self) -> f64 {
-        self.path.map_or(0.0, |path| path.duration_s())
+    /// How long the approach lasts at most, until its end has been the next set-point, s.
+    pub(crate) fn approach_duration(&self, settings: &Settings) -> f64 {
+        self.path.map_or(0.0, |path| path.duration_s()) + settings.period_s()
     }
 
     /// Count this cycle as one with the force `inside` its band; how many there were in a row.
@@ -242,6 +255,7 @@ impl Motion {
         let reached: [i64; PREVIEW] =
             std::array::from_fn(|i| tick + (settings.lead() + i as i64) * settings.period_ticks);
         let leads = self.leads(settings);
+        self.track(settings, reached[0] - settings.period_ticks);
         let mut known = None;
         let mut coordinates =
             reached.map(|tick| self.reference(settings, expectation, tick, leads, &mut known));
@@ -261,14 +275,20 @@ impl Motion {
         let mut set_points = if leads {
             let proposed = &settings.controller.proposed;
             let mut led = axes;
-            if proposed.disturbance_feed_forward && pressing {
+            let models_servo = settings.controller.law == Law::Elastic;
+            if proposed.disturbance_feed_forward && pressing && !models_servo {
                 let torque = self.torque(settings, &axes[0]);
                 let deviations = self.disturbance.preview(&torque, settings.period_ticks);
                 for (axes, deviation) in led.iter_mut().zip(deviations) {
                     *axes -= deviation;
                 }
             }
-            self.dynamics.follow(&led, TAU * proposed.reference_bandwidth_hz)
+            let mut targets = self.dynamics.targets(&led);
+            if let Some(motion) = self.planned(&coordinates) {
+                self.along_normal(settings, motion, &coordinates, &axes[0], &mut targets);
+            }
+            self.dynamics
+                .follow(&targets, TAU * proposed.reference_bandwidth_hz)
         } else {
             std::array::from_fn(|i| axes[i])
         };
@@ -308,7 +328,8 @@ impl Motion {
     }
 
     /// Where the hanging tcp is to be at `tick` as far as no force law moves it: on the way to the object and with it,
-    /// and in the posture that keeps the tool's reference. What leads the robot is led here if the law is not fed
+    /// and in the posture that keeps the tool's reference; the deflected one is to keep to the way, so that the hanging
+    /// one leads it ([`crate::shaping`]). What leads the robot is led here if the law is not fed
     /// forward.
     ///
     /// `known` is what stood in the posture for the instant before: shift, share and coordinates.
@@ -320,9 +341,9 @@ impl Motion {
         fed_forward: bool,
         known: &mut Option<(Vector3<f64>, f64, Dofs)>,
     ) -> Dofs {
-        let kept = PathPoint {
-            distance: self.share,
-            ..PathPoint::default()
+        let kept = Share {
+            value: self.share,
+            ..Share::default()
         };
         let pressing = self.pressing();
         let tilt = pressing.map_or(kept, |contact| {
@@ -330,14 +351,19 @@ impl Motion {
             spread(time, contact.tilt_time_s)
         });
         let share = if fed_forward {
-            tilt.distance
+            tilt.value
         } else {
-            self.dynamics
-                .inverse(tilt.distance, tilt.speed, tilt.acceleration)
+            self.dynamics.inverse(tilt.value, tilt.rate, tilt.acceleration)
         };
-        let distance = match pressing {
-            Some(contact) if !self.inserts => contact.distance_m,
-            _ => self.path.map_or(0.0, |path| path.at(settings, tick).distance),
+        let (distance, lead) = match pressing {
+            // What the tool was led by then fades away.
+            Some(Contact { met, .. }) if !self.inserts => {
+                (met.distance, self.lead(settings, &met) * (1.0 - tilt.value))
+            }
+            _ => {
+                let point = self.path.map_or(Point::default(), |path| path.at(settings, tick));
+                (point.distance, self.lead(settings, &point))
+            }
         };
         let shift = self.path.and_then(|path| path.shift(expectation, tick, distance));
         let shift = shift.unwrap_or_default() + self.led(settings, tick);
@@ -346,6 +372,7 @@ impl Motion {
             _ => self.frame.coordinates(&self.posture.reference(shift, share)),
         };
         *known = Some((shift, share, coordinates));
+        coordinates += lead;
         coordinates[NORMAL] -= distance;
         if let Some((fade, left)) = self.fade {
             coordinates += fade.at(since(settings, left, tick) + settings.period_s());

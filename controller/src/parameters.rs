@@ -202,7 +202,7 @@ impl Parameters {
         for (i, slot) in self.ramps.iter_mut().enumerate() {
             let Some(ramp) = slot else { continue };
             let elapsed_s = (tick - *ramp.start_tick.get_or_insert(tick)) as f64 * TICK_S;
-            let share = spread(elapsed_s, settings.controller.slew_s).distance;
+            let share = spread(elapsed_s, settings.controller.slew_s).value;
             *in_force(settings, i) = if share < 1.0 {
                 ramp.from + (ramp.to - ramp.from) * share
             } else {

@@ -1,9 +1,12 @@
 //! What the scenario says, in the controller's terms, and what requests and steps have changed of it since.
 
+use crate::elastic::Design;
 use nalgebra::Vector3;
 use node::scenario::{self, Scenario, TaskKind};
 use spatial::kinematics::Kinematics;
+use spatial::ports::Law;
 use spatial::{Compliance, TICK_S, Wrench};
+use std::sync::Arc;
 
 /// What is in force now.
 #[derive(Clone, Debug)]
@@ -18,6 +21,8 @@ pub(crate) struct Settings {
     pub(crate) d: Vector3<f64>,
     /// The wrench that is sought now, on its way to what is asked for.
     pub(crate) desired: Wrench,
+    /// For the law of that name.
+    pub(crate) elastic: Option<Arc<Design>>,
 }
 
 impl Settings {
@@ -42,6 +47,9 @@ impl Settings {
                     TaskKind::Position | TaskKind::Calibrate => Vector3::zeros(),
                 },
             },
+            elastic: (controller.law == Law::Elastic)
+                .then(|| Design::new(scenario).map(Arc::new))
+                .flatten(),
         }
     }
 

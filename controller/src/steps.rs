@@ -134,7 +134,7 @@ impl Controller {
         if motion.overloaded(settings, settings.task.max_contact_force_n) {
             return Progress::Failed(Fault::ForceLimit, LIMIT_STEP_TOLERANCE);
         }
-        let ended = motion.approached_for(tick) > motion.approach_duration();
+        let ended = motion.approached_for(tick) > motion.approach_duration(settings);
         match step.kind {
             StepKind::Approach if motion.in_contact() => Progress::Done,
             StepKind::Approach if ended => no_contact,

@@ -181,7 +181,7 @@ impl Tilting {
             since -= self.rest_s;
             let move_s = self.move_s(i);
             if since < move_s {
-                return Progress::Moving(i, spread(since, move_s).distance);
+                return Progress::Moving(i, spread(since, move_s).value);
             }
             since -= move_s;
         }

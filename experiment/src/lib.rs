@@ -4,6 +4,7 @@ pub mod calibrate;
 pub mod compare;
 pub mod doctor;
 pub mod figure;
+pub mod free_motion;
 pub mod impact;
 pub mod in_process;
 pub mod launch;

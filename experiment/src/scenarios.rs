@@ -5,10 +5,11 @@ use std::io;
 use std::path::PathBuf;
 
 /// Name and text of every built-in scenario.
-const BUILT_IN: [(&str, &str); 10] = [
+const BUILT_IN: [(&str, &str); 11] = [
     ("paper", include_str!("../scenarios/paper.toml")),
     ("arm", include_str!("../scenarios/arm.toml")),
     ("elastic", include_str!("../scenarios/elastic.toml")),
+    ("elastic_arm", include_str!("../scenarios/elastic_arm.toml")),
     ("expected", include_str!("../scenarios/expected.toml")),
     ("face", include_str!("../scenarios/face.toml")),
     ("conveyor", include_str!("../scenarios/conveyor.toml")),

@@ -3,8 +3,9 @@
 use super::{Fade, Motion, Path, Plan, Spiral, Travel};
 use crate::Settings;
 use crate::approach::spread;
-use crate::command_dynamics::CommandDynamics;
+use crate::command_dynamics::{CommandDynamics, Target};
 use crate::dofs::{Dofs, NORMAL, Selection};
+use crate::elastic::Elastic;
 use crate::expectation::Expectation;
 use crate::impact::ImpactMonitor;
 use crate::law::{ForceControl, feeds_forward};
@@ -34,7 +35,11 @@ impl Motion {
             self.leave_off(settings, 0.0, feeds_forward(settings.controller.law), tick);
             self.contact = None;
             self.share = 0.0;
-            self.force_control = ForceControl::new(&settings.controller, selection);
+            self.force_control = ForceControl::new(
+                &settings.controller,
+                selection,
+                settings.elastic.clone().map(Elastic::new),
+            );
             let normal_in_s = self.frame.pose(&Dofs::zeros()).rotation.inverse() * Vector3::z();
             self.impact = ImpactMonitor::new(&settings.controller, &settings.task, normal_in_s).ok();
             self.base(0.0)[NORMAL]
@@ -45,6 +50,7 @@ impl Motion {
         self.path = Some(Path::new(
             settings,
             expectation,
+            self.shape,
             self.impact.as_ref(),
             start_m,
             tick,
@@ -64,15 +70,16 @@ impl Motion {
                 let taken = spread(since(settings, contact.cycle_tick, tick), contact.tilt_time_s);
                 self.leave_off(
                     settings,
-                    taken.distance,
+                    taken.value,
                     feeds_forward(settings.controller.law),
                     tick,
                 );
                 self.select(settings, selection);
-                let start_m = self.base(taken.distance)[NORMAL];
+                let start_m = self.base(taken.value)[NORMAL];
                 self.path = Some(Path::new(
                     settings,
                     expectation,
+                    self.shape,
                     self.impact.as_ref(),
                     start_m,
                     tick,
@@ -97,7 +104,13 @@ impl Motion {
         tick: i64,
     ) {
         self.select(settings, selection);
-        self.spiral = Some(Spiral::new(step.pitch_m, step.radius_m, step.speed_m_per_s, tick));
+        self.spiral = Some(Spiral::new(
+            self.shape,
+            step.pitch_m,
+            step.radius_m,
+            step.speed_m_per_s,
+            tick,
+        ));
     }
 
     /// Move freely to where the nominal tcp is at `position` (m in r).
@@ -105,13 +118,13 @@ impl Motion {
         self.release(settings, 0.0, tick);
         self.contact = None;
         let from = self.base(0.0).fixed_rows::<3>(0).into_owned();
-        self.travel = Some(Travel::new(position + self.sag - from, speed, tick));
+        self.travel = Some(Travel::new(self.shape, position + self.sag - from, speed, tick));
     }
 
     /// Leave the object upwards, by `distance_m` (m).
     pub(crate) fn begin_retraction(&mut self, settings: &Settings, distance_m: f64, speed: f64, tick: i64) {
         self.release(settings, 0.0, tick);
-        self.travel = Some(Travel::new(Vector3::z() * distance_m, speed, tick));
+        self.travel = Some(Travel::new(self.shape, Vector3::z() * distance_m, speed, tick));
     }
 
     /// The retraction is over: nothing is touched.
@@ -124,10 +137,10 @@ impl Motion {
         let share = self.pressing().map_or(self.share, |contact| {
             let taken = spread(since(settings, contact.cycle_tick, tick), contact.tilt_time_s);
             // The posture comes to rest as all the motion does.
-            taken.distance
-                + Fade::way_to_rest(&Dofs::ith(0, taken.speed))
+            taken.value
+                + Fade::way_to_rest(&Dofs::ith(0, taken.rate))
                     .x
-                    .min(1.0 - taken.distance)
+                    .min(1.0 - taken.value)
         });
         self.release(settings, share, tick);
     }
@@ -231,7 +244,9 @@ impl Motion {
     /// not lead them, the coordinates are those of the set-point, which they follow. Its own rate would mean nothing: such
     /// a law may make it jump.
     fn state(&self, settings: &Settings, leads: bool) -> (Dofs, Dofs) {
-        let (position, velocity) = self.dynamics.state();
+        let Target {
+            position, velocity, ..
+        } = self.dynamics.reached();
         let coordinates = |axes| {
             let r_from_s = settings.kinematics.forward(axes);
             self.frame.coordinates(&self.posture.hanging_tcp(&r_from_s))

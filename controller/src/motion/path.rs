@@ -1,9 +1,10 @@
 //! The free motion to the object, where it may be and how it moves.
 
 use crate::Settings;
-use crate::approach::{Approach, PathPoint};
+use crate::approach::Approach;
 use crate::expectation::Expectation;
 use crate::impact::ImpactMonitor;
+use crate::shaping::{Point, Shape};
 use nalgebra::Vector3;
 use spatial::TICK_S;
 
@@ -21,10 +22,12 @@ pub(super) struct Path {
 }
 
 impl Path {
-    /// From the height `start_m` (m) of the hanging tcp at `tick`, no faster than `impact` allows.
+    /// From the height `start_m` (m) of the hanging tcp at `tick`, with changes of speed of `shape`, no faster than `impact`
+    /// allows.
     pub(super) fn new(
         settings: &Settings,
         expectation: &Expectation,
+        shape: Shape,
         impact: Option<&ImpactMonitor>,
         start_m: f64,
         tick: i64,
@@ -45,11 +48,11 @@ impl Path {
                 let free_m = (start_m - expected_m - expected.search_margin_m).clamp(5e-5, length_m - 5e-5);
                 let slow = allowed(expected.search_speed_m_per_s);
                 (
-                    Approach::with_search(free_m, speed, length_m - free_m, slow),
+                    Approach::with_search(shape, free_m, speed, length_m - free_m, slow),
                     free_m,
                 )
             }
-            None => (Approach::new(length_m, speed), length_m),
+            None => (Approach::new(shape, length_m, speed), length_m),
         };
         Self {
             approach,
@@ -84,7 +87,7 @@ impl Path {
     }
 
     /// Where on it the robot is to be at `tick`.
-    pub(super) fn at(&self, settings: &Settings, tick: i64) -> PathPoint {
+    pub(super) fn at(&self, settings: &Settings, tick: i64) -> Point {
         self.approach.at(since(settings, self.start_tick, tick))
     }
 

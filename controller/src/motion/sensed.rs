@@ -4,6 +4,7 @@ use crate::Settings;
 use crate::contact::Touch;
 use crate::dofs::{Dofs, NORMAL, Selection, TcpCompliance, displacement};
 use crate::posture::Posture;
+use crate::shaping::Point;
 use spatial::kinematics::{Axes, split};
 use spatial::ports::SampleFlags;
 use spatial::{Deflection, Pose};
@@ -66,8 +67,8 @@ pub(super) struct Contact {
     pub(super) sample_tick: i64,
     /// Tick of the cycle that learned of it.
     pub(super) cycle_tick: i64,
-    /// How far the way had led then, m.
-    pub(super) distance_m: f64,
+    /// Where on its way the robot will be then, when what it is told can act.
+    pub(super) met: Point,
     /// Where the deflected tcp was then, m in r.
     pub(super) height_m: f64,
     /// Time over which the posture is taken, s.
@@ -84,12 +85,12 @@ pub(super) struct Contact {
 const LONGEST_BOUNCE_TICKS: i64 = 30;
 
 impl Contact {
-    /// Detected by what was `sensed` in the cycle at `cycle_tick`, after `distance_m` (m) of the way.
-    pub(super) fn new(settings: &Settings, sensed: &Sensed, cycle_tick: i64, distance_m: f64) -> Self {
+    /// Detected by what was `sensed` in the cycle at `cycle_tick`, with the robot at `met` on its way when that can act.
+    pub(super) fn new(settings: &Settings, sensed: &Sensed, cycle_tick: i64, met: Point) -> Self {
         Self {
             sample_tick: sensed.sample.tick,
             cycle_tick,
-            distance_m,
+            met,
             height_m: sensed.r_from_ta1.translation.vector[NORMAL],
             tilt_time_s: settings.controller.tilt_time_s,
             released: false,

@@ -114,7 +114,7 @@ impl Motion {
         let faded = self
             .fade
             .is_none_or(|(fade, left)| fade.at((tick - left) as f64 * TICK_S) == Dofs::zeros());
-        let still = self.dynamics.state().1.amax() < STILL_RAD_PER_S;
+        let still = self.dynamics.reached().velocity.amax() < STILL_RAD_PER_S;
         self.contact.is_none() && faded && still && self.way_ended(tick)
     }
 

@@ -4,6 +4,7 @@ mod bench;
 mod calibrate;
 mod compare;
 mod doctor;
+mod free_motion;
 mod impact;
 mod run;
 
@@ -51,6 +52,7 @@ enum Command {
     Compare(compare::Args),
     Calibrate(calibrate::Args),
     Impact(Box<impact::Args>),
+    FreeMotion(free_motion::Args),
     #[command(subcommand)]
     Bench(bench::Bench),
     Doctor(doctor::Args),
@@ -89,6 +91,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Compare(args) => compare::run(args),
         Command::Calibrate(args) => calibrate::run(args),
         Command::Impact(args) => impact::run(args),
+        Command::FreeMotion(args) => free_motion::run(args),
         Command::Bench(bench) => bench::run(bench),
         Command::Doctor(args) => doctor::run(args),
     };

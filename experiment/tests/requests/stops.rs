@@ -108,7 +108,7 @@ fn a_program_and_a_calibration_stop_smoothly() {
     let screws = scenario("screws", &["timing.duration_s=4.5"]);
     let worst = stop_at(&screws, &(0..40).map(|i| 260 + 83 * i).collect::<Vec<_>>());
     assert_smooth("screws", &worst);
-    assert!(worst.way_m < 8e-3 && worst.back_m < 0.4e-3, "{worst:?}");
+    assert!(worst.way_m < 8e-3 && worst.back_m < 1.2e-3, "{worst:?}");
     let calibration = scenario(
         "paper",
         &[

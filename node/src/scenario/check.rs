@@ -53,6 +53,7 @@ impl Scenario {
         self.check_kind(&mut conflicts);
         self.check_program(&mut conflicts);
         self.check_servo(&mut conflicts);
+        self.check_shaping(&mut conflicts);
         self.check_output(&mut conflicts);
         self.check_adaptation(&mut conflicts);
         self.check_object_sensor(&mut conflicts);

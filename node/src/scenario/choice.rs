@@ -130,6 +130,16 @@ impl ObjectMotion {
     }
 }
 
+/// How the speed of the free motion changes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Profile {
+    /// Such that neither tool nor gears swing afterwards, and the deflected tcp keeps to its path meanwhile.
+    #[default]
+    Smooth,
+    /// With a constant acceleration, which begins and ends at once: what everything else is measured by.
+    Trapezoid,
+}
+
 /// What a compliant sensor puts out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SensorOutput {
@@ -210,7 +220,8 @@ choice!(StepKind: "move" => Move, "approach" => Approach, "press" => Press, "hol
 choice!(OnFailure: "fault" => Fault, "retract" => Retract);
 choice!(ExpectedFrom: "nothing" => Nothing, "model" => Model, "object-sensor" => ObjectSensor);
 choice!(ObjectMotion: "fixed" => Fixed, "steady" => Steady, "accelerated" => Accelerated);
+choice!(Profile: "smooth" => Smooth, "trapezoid" => Trapezoid);
 choice!(SensorOutput: "deflection" => Deflection, "force" => Force);
 choice!(ToolShape: "point" => Point, "face" => Face, "peg" => Peg);
-choice!(Law: "pd" => Pd, "pd-reset" => PdReset, "literal" => Literal, "proposed" => Proposed, "impedance" => Impedance;
-    planned: "elastic", "ros2", "fzi");
+choice!(Law: "pd" => Pd, "pd-reset" => PdReset, "literal" => Literal, "proposed" => Proposed, "impedance" => Impedance,
+    "elastic" => Elastic; planned: "ros2", "fzi");

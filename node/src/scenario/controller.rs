@@ -2,13 +2,15 @@
 
 use super::check::{Conflicts, short};
 use super::{
-    Adaptation, ExpectedFrom, Law, ObjectMotion, Pairing, Scenario, SensorOutput, Transform, schema,
+    Adaptation, AssumedGears, ElasticLaw, ExpectedFrom, Law, ObjectMotion, Pairing, Scenario, SensorOutput,
+    Shaping, Transform, schema,
 };
 
 schema::section! {
     /// The control law and what it assumes of robot, sensor and tool.
     Controller at "controller" with pd: Pd, proposed: Proposed, impedance: Impedance, expected: Expected,
-        servo: AssumedServo, adaptation: Adaptation, impact: Impact {
+        servo: AssumedServo, gears: AssumedGears, elastic: ElasticLaw, shaping: Shaping, adaptation: Adaptation,
+        impact: Impact {
         /// Control law.
         law: Law = Law::Proposed;
         /// Which actual pose is taken to belong to a deflection.

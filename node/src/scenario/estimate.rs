@@ -80,7 +80,7 @@ impl Scenario {
     }
 
     /// Height in r, m, of the tcp at the start, with the tool hanging freely.
-    pub(super) fn hanging_tcp_height_m(&self) -> f64 {
+    pub fn hanging_tcp_height_m(&self) -> f64 {
         let ([_, _, sag], [turn_x, turn_y, _]) = self.deflection_under(0.0);
         let [x, y, _] = self.tool.tcp_in_s_m;
         self.task.start_position_m[2] + sag + turn_x * y - turn_y * x

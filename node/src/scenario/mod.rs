@@ -13,6 +13,7 @@ mod adaptation;
 mod check;
 mod choice;
 mod controller;
+mod elastic;
 mod error;
 mod estimate;
 mod hash;
@@ -23,6 +24,7 @@ mod reach;
 mod read;
 mod robot;
 mod schema;
+mod shaping;
 mod task;
 #[cfg(test)]
 mod tests;
@@ -30,15 +32,17 @@ mod value;
 
 pub use adaptation::Adaptation;
 pub use choice::{
-    ExpectedFrom, Gears, Kinematics, ObjectMotion, OnFailure, Pairing, SensorOutput, StepKind, TaskKind,
-    TimingMode, ToolShape, Transform,
+    ExpectedFrom, Gears, Kinematics, ObjectMotion, OnFailure, Pairing, Profile, SensorOutput, StepKind,
+    TaskKind, TimingMode, ToolShape, Transform,
 };
 pub use controller::{AssumedServo, Controller, Expected, Impact, Impedance, Pd, Proposed};
+pub use elastic::{AssumedGears, ElasticLaw};
 pub use error::ScenarioError;
 pub use object_sensor::ObjectSensor;
 pub use program::{Program, Step, Steps};
 pub use robot::Drives;
 pub use schema::{Allowed, Key};
+pub use shaping::Shaping;
 pub use spatial::ports::Law;
 pub use task::{ForceControlled, Task};
 

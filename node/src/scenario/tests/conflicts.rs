@@ -36,6 +36,15 @@ fn the_approach_is_within_the_robots_speed() {
 }
 
 #[test]
+fn the_free_motion_is_within_what_the_axes_are_assumed_to_attain() {
+    assert_eq!(
+        refusal("controller.shaping.acceleration_m_per_s2 = 6", &[]),
+        "a.toml:1:20: controller.shaping.acceleration_m_per_s2 is 6 m/s^2 and accelerates axis 2 with 6 rad/s^2, above \
+         controller.acceleration_limit_rad_per_s2[2], 5 rad/s^2; accelerate less"
+    );
+}
+
+#[test]
 fn the_tool_starts_above_the_search_and_the_object() {
     assert_eq!(
         refusal("task.expected_height_m = 0.04", &[]),

@@ -5,7 +5,8 @@ use crate::scenario::{Scenario, schema::Entry};
 
 const SECTIONS: &str = "[timing], [robot], [robot.gantry], [robot.arm], [sensor], [tool], [object], [object_sensor], \
                         [task], [task.force_controlled], [program], [controller], [controller.pd], [controller.proposed], \
-                        [controller.impedance], [controller.expected], [controller.servo], [controller.adaptation], \
+                        [controller.impedance], [controller.expected], [controller.servo], [controller.gears], [controller.shaping], \
+                        [controller.adaptation], \
                         [controller.impact]";
 
 const OBJECT_KEYS: &str = "height_m, indentation_n_per_m, rebound_ratio, exponent, friction, friction_speed_m_per_s, origin_m, \

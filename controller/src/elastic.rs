@@ -1,0 +1,218 @@
+//! The object-model law for robots with elastic gears: the links are brought to where the desired force results.
+//!
+//! Paper VI names the gears' compliance as an open problem: encoders see the motors, (12) takes them for the links, and a
+//! fast law makes the links swing. In contact, though, the deflection tells where the links are: the tool stands on an
+//! object that does not move, so that what the sensor yields is what the links have moved. So:
+//!
+//! 1. [`flexibility`]: links on gears and tool on sensor as modes, seen from motors and sensor, along the normal.
+//! 2. [`observer`]: a Kalman filter finds modes and object from encoders and deflection, sample by sample at the time of
+//!    its truth.
+//! 3. The plant is predicted to the instant at which the next set-point begins to act, with the commands that are on
+//!    their way.
+//! 4. [`regulator`]: linear-quadratic feedback of all states chooses how the acceleration of the command filters
+//!    changes. Its goal is (2): the deflection `C f_d`.
+//! 5. What is not known well is the gears' frequency. Several hypotheses run side by side; each is believed as much as
+//!    its predictions of the deflection were right (multiple-model adaptive estimation, Magill, IEEE Trans. Autom.
+//!    Control 10 (1965) 434), and the set-point is the mean of theirs.
+//!
+//! Deviates: (12) is not used along this degree of freedom; the observer's object takes its place, which the gears'
+//! compliance does not shift.
+
+pub mod course;
+pub mod flexibility;
+pub mod observer;
+pub mod plant;
+pub mod regulator;
+
+use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch, Waypoint};
+use course::Course;
+use flexibility::Flexibility;
+use node::scenario::{self, Scenario};
+use observer::{Observer, Reading, place};
+use plant::{Plant, State};
+use spatial::TICK_S;
+use spatial::kinematics::Axes;
+use std::sync::Arc;
+
+/// Modes that are modelled; the others are taken as rigid.
+pub const MODES: usize = 3;
+/// Hypotheses of the gears' frequency.
+pub const HYPOTHESES: usize = 5;
+
+/// What is computed before anything runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Design {
+    parameters: scenario::ElasticLaw,
+    plants: [Plant; HYPOTHESES],
+    /// The largest acceleration along the normal, m/s^2.
+    acceleration_limit: f64,
+    period_s: f64,
+}
+
+impl Design {
+    /// Where the task begins; `None` if what is assumed can't be regulated.
+    pub fn new(scenario: &Scenario) -> Option<Self> {
+        let controller = &scenario.controller;
+        let parameters = controller.elastic.clone();
+        let axes = scenario.start_axes().ok()?;
+        let jacobian = scenario.robot.kinematics().jacobian(&axes);
+        let of = |i: usize| {
+            let off = 2.0 * i as f64 / (HYPOTHESES - 1) as f64 - 1.0;
+            Flexibility::new(controller, &jacobian, 1.0 + off * parameters.mode_spread)
+        };
+        let plant = |i| {
+            let (servo, ticks) = (&controller.servo, scenario.timing.command_period_ticks);
+            Plant::new(&of(i), servo, ticks, &parameters)
+        };
+        let limits = Axes::from(controller.acceleration_limit_rad_per_s2);
+        let per_metre = of(0).axes_per_tcp;
+        let acceleration_limit = (0..6)
+            .map(|i| limits[i] / per_metre[i].abs().max(1e-9))
+            .fold(f64::INFINITY, f64::min);
+        Some(Self {
+            plants: [plant(0)?, plant(1)?, plant(2)?, plant(3)?, plant(4)?],
+            parameters,
+            acceleration_limit,
+            period_s: scenario.timing.command_period_ticks as f64 * TICK_S,
+        })
+    }
+}
+
+/// The law along the normal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Elastic {
+    design: Arc<Design>,
+    observers: Option<[Observer; HYPOTHESES]>,
+    course: Course,
+    /// When the newest sample was true (s), and where the motors were then (m).
+    newest: Option<(f64, f64)>,
+    motion: [Waypoint; PREVIEW],
+}
+
+impl Elastic {
+    /// Nothing known of the object.
+    pub fn new(design: Arc<Design>) -> Self {
+        Self {
+            design,
+            observers: None,
+            course: Course::default(),
+            newest: None,
+            motion: [Waypoint::default(); PREVIEW],
+        }
+    }
+
+    /// The command filters will be at `waypoint` at `time_s` (s), when the next set-point begins to act.
+    pub fn track(&mut self, time_s: f64, waypoint: Waypoint) {
+        self.course.push(time_s, waypoint);
+    }
+
+    /// Take one sample in contact, in the order of sampling.
+    pub fn take(&mut self, sample: &ContactSample) {
+        let reading = Reading {
+            deflection: sample.object - sample.actual,
+            motors: sample.actual,
+            touches: sample.touch == Touch::Contact,
+        };
+        let begins = self.observers.is_none() || sample.touch == Touch::Lost;
+        let Some((time_s, motors)) = self.newest.filter(|_| !begins) else {
+            let filter = self.course.at(sample.time_s);
+            self.observers = Some(
+                self.design
+                    .plants
+                    .each_ref()
+                    .map(|plant| Observer::new(plant, &filter)),
+            );
+            self.newest = Some((sample.time_s, sample.actual));
+            return;
+        };
+        let ticks = libm::round((sample.time_s - time_s) / TICK_S).clamp(0.0, 100.0) as i64;
+        let Some(observers) = &mut self.observers else {
+            return;
+        };
+        for tick in 1..=ticks {
+            let last = tick == ticks;
+            let time_s = sample.time_s - (ticks - tick) as f64 * TICK_S;
+            let now = Reading {
+                motors: motors + (sample.actual - motors) * (tick as f64 / ticks as f64),
+                touches: last && reading.touches,
+                ..reading
+            };
+            let filter = self.course.at(time_s);
+            for (observer, plant) in observers.iter_mut().zip(&self.design.plants) {
+                observer.take(plant, &self.design.parameters, &now, &filter);
+            }
+        }
+        self.newest = Some((sample.time_s, sample.actual));
+    }
+
+    /// Where the command filters are to be at the coming instants, T apart.
+    pub fn desired(&mut self, aim: &Aim, situation: &Situation) -> [f64; PREVIEW] {
+        let (Some(observers), Some((time_s, _))) = (&self.observers, self.newest) else {
+            return [situation.desired; PREVIEW];
+        };
+        let weights = weights(observers);
+        let (acts_s, mut waypoint) = self.course.newest();
+        let ticks = libm::round((acts_s - time_s) / TICK_S).clamp(0.0, 200.0) as i64;
+        let mut states: [State; HYPOTHESES] = std::array::from_fn(|i| {
+            let object = observers[i].object();
+            let mut state = observers[i].state();
+            for tick in 1..=ticks {
+                state = self.design.plants[i].tick * state;
+                place(&mut state, &self.course.at(time_s + tick as f64 * TICK_S), object);
+            }
+            state
+        });
+        let period = self.design.period_s;
+        for motion in &mut self.motion {
+            let mut change = 0.0;
+            for ((plant, state), weight) in self.design.plants.iter().zip(&states).zip(weights) {
+                let goal = plant.rest * (aim.displacement / plant.share());
+                change -= weight * (plant.gain * (state - goal))[0];
+            }
+            let before = waypoint;
+            let limit = self.design.acceleration_limit;
+            let after = (before.change + change).clamp(-limit, limit);
+            waypoint = Waypoint {
+                position: before.position
+                    + period * (before.rate + period * (2.0 * before.change + after) / 6.0),
+                rate: before.rate + period * 0.5 * (before.change + after),
+                change: after,
+            };
+            for ((plant, state), observer) in self.design.plants.iter().zip(&mut states).zip(observers) {
+                *state = plant.period * *state + plant.input * (after - before.change);
+                place(state, &waypoint, observer.object());
+            }
+            *motion = waypoint;
+        }
+        self.motion.map(|waypoint| waypoint.position)
+    }
+
+    /// The motion that [`Elastic::desired`] asked for last, T apart.
+    pub fn motion(&self) -> Option<&[Waypoint; PREVIEW]> {
+        self.observers.is_some().then_some(&self.motion)
+    }
+
+    /// The object's coordinate and its rate.
+    pub fn object(&self) -> Option<(f64, f64)> {
+        let observers = self.observers.as_ref()?;
+        let object = observers
+            .iter()
+            .zip(weights(observers))
+            .map(|(observer, weight)| weight * observer.object())
+            .sum();
+        Some((object, 0.0))
+    }
+}
+
+/// How much each hypothesis is believed; their sum is 1.
+fn weights(observers: &[Observer; HYPOTHESES]) -> [f64; HYPOTHESES] {
+    let best = observers
+        .iter()
+        .map(Observer::log_likelihood)
+        .fold(f64::NEG_INFINITY, f64::max);
+    let weights = observers
+        .each_ref()
+        .map(|observer| libm::exp(observer.log_likelihood() - best));
+    let sum: f64 = weights.iter().sum();
+    weights.map(|weight| weight / sum)
+}

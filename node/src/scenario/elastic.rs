@@ -1,0 +1,37 @@
+//! The sections `[controller.gears]` and `[controller.elastic]`: what is assumed of elastic gears, and the law for them.
+
+use super::{Gears, schema};
+
+schema::section! {
+    /// What the controller assumes of the gears; motors and links are those of `[controller.servo]`.
+    AssumedGears at "controller.gears" {
+        /// What is assumed to join motor and link in free motion; the law `elastic` assumes elastic gears anyway.
+        kind: Gears = Gears::Rigid;
+        /// Assumed natural frequency of each link on its elastic gear, motor locked.
+        frequency_hz: [f64; 6] = [14.0, 14.0, 14.0, 20.0, 20.0, 20.0], in 0.5..=500.0;
+        /// Assumed inertia that couples the links where the task begins: axis 1 with 2 to 6, 2 with 3 to 6, and so on.
+        link_coupling_kg_m2: [f64; 15] = [0.0; 15], in -1e4..=1e4;
+        /// Assumed damping ratio of the modes.
+        damping_ratio: f64 = 0.02, in 0.0..=1.0;
+    }
+}
+
+schema::section! {
+    /// The law `elastic`: the object model behind elastic gears, along the normal.
+    ElasticLaw at "controller.elastic" {
+        /// Deflection that costs as much as a change of the acceleration by 1 m/s^2 within a period: the smaller, the
+        /// faster.
+        effort_s2: f64 = 28e-6, in 1e-7..=1e-1;
+        /// How much a deviation of the contact force costs against one of the sensor's force, which lacks the tool's
+        /// inertia: the more, the less the tool leaves the object.
+        contact_weight: f64 = 0.1, in 0.0..=1e3;
+        /// How far the gears' frequency may be from what is assumed, as a share of it: the range of the hypotheses.
+        mode_spread: f64 = 0.15, in 0.0..=0.5;
+        /// Noise of the deflection at the tcp, rms.
+        deflection_noise_m: f64 = 5e-6, in 1e-9..=1e-3;
+        /// Acceleration of links and tool that the model does not explain, rms.
+        unknown_acceleration_m_per_s2: f64 = 0.5, in 1e-6..=1e3;
+        /// How much of the likelihood of a hypothesis is left after a sample; 1: nothing is forgotten.
+        likelihood_memory: f64 = 0.99, in 0.0..=1.0;
+    }
+}
