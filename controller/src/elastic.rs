@@ -27,7 +27,8 @@ pub mod regulator;
 use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch, Waypoint};
 use course::Course;
 use flexibility::Flexibility;
-use node::scenario::{self, Scenario};
+use crate::structure::Structure;
+use node::scenario::{self, Gears, Scenario};
 use observer::{Observer, Reading, place};
 use plant::{Plant, State};
 use spatial::TICK_S;
@@ -55,22 +56,23 @@ impl Design {
         let controller = &scenario.controller;
         let parameters = controller.elastic.clone();
         let axes = scenario.start_axes().ok()?;
-        let jacobian = scenario.robot.kinematics().jacobian(&axes);
-        let of = |i: usize| {
+        let kinematics = scenario.robot.kinematics();
+        let structure = Structure::new(controller, &kinematics, &axes, Gears::Elastic);
+        let plant = |i: usize| {
             let off = 2.0 * i as f64 / (HYPOTHESES - 1) as f64 - 1.0;
-            Flexibility::new(controller, &jacobian, 1.0 + off * parameters.mode_spread)
-        };
-        let plant = |i| {
+            let scaled = structure.scaled(1.0 + off * parameters.mode_spread);
+            let flexibility = Flexibility::new(controller, &scaled)?;
             let (servo, ticks) = (&controller.servo, scenario.timing.command_period_ticks);
-            Plant::new(&of(i), servo, ticks, &parameters)
+            Plant::new(&flexibility, servo, ticks, &parameters)
         };
+        let plants = [plant(0)?, plant(1)?, plant(2)?, plant(3)?, plant(4)?];
         let limits = Axes::from(controller.acceleration_limit_rad_per_s2);
-        let per_metre = of(0).axes_per_tcp;
+        let per_metre = plants[0].axes_per_tcp;
         let acceleration_limit = (0..6)
             .map(|i| limits[i] / per_metre[i].abs().max(1e-9))
             .fold(f64::INFINITY, f64::min);
         Some(Self {
-            plants: [plant(0)?, plant(1)?, plant(2)?, plant(3)?, plant(4)?],
+            plants,
             parameters,
             acceleration_limit,
             period_s: scenario.timing.command_period_ticks as f64 * TICK_S,

@@ -50,6 +50,7 @@ pub mod pairing;
 pub mod pd;
 pub mod posture;
 pub mod shaping;
+pub mod structure;
 pub mod tare;
 pub mod tilting;
 pub mod transform;

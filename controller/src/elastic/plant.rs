@@ -115,9 +115,6 @@ impl Plant {
         rest[POSITION] = 1.0;
         seen[POSITION] = flexibility.rigid.dot(axes_per_tcp);
         force[POSITION] = flexibility.rigid_force.dot(axes_per_tcp);
-        if std::env::var("DBG").is_ok() {
-            eprintln!("{} {}", (seen * rest)[0], (force * rest)[0]);
-        }
 
         // Over a period the acceleration changes linearly: an input that is held is its slope.
         let mut slope = State::zeros();
