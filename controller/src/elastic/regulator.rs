@@ -39,13 +39,13 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{matrix, vector};
+    use nalgebra::{Matrix1, Matrix2, RowVector2, Vector1, Vector2};
 
     /// One state: `P = q + a^2 P r / (r + P)` in closed form.
     #[test]
     fn one_state_in_closed_form() {
         let (a, q, r) = (1.1, 2.0, 3.0);
-        let k = gain(&matrix![a], &vector![1.0], &matrix![q], r).unwrap()[0];
+        let k = gain(&Matrix1::new(a), &Vector1::new(1.0), &Matrix1::new(q), r).unwrap()[0];
         let half = 0.5 * (q + r * (a * a - 1.0));
         let p = half + libm::sqrt(half * half + q * r);
         assert!((k - a * p / (r + p)).abs() < 1e-12, "{k}");
@@ -54,11 +54,11 @@ mod tests {
     /// A double integrator: no other gain near costs less, and the recursion over a long horizon comes to the same.
     #[test]
     fn as_the_riccati_recursion() {
-        let (a, b) = (matrix![1.0, 0.1; 0.0, 1.0], vector![0.005, 0.1]);
-        let (q, r) = (matrix![1.0, 0.0; 0.0, 0.0], 0.01);
+        let (a, b) = (Matrix2::new(1.0, 0.1, 0.0, 1.0), Vector2::new(0.005, 0.1));
+        let (q, r) = (Matrix2::new(1.0, 0.0, 0.0, 0.0), 0.01);
         let k = gain(&a, &b, &q, r).unwrap();
         let mut p = q;
-        let mut recursive = matrix![0.0, 0.0];
+        let mut recursive = RowVector2::new(0.0, 0.0);
         for _ in 0..2000 {
             let weighted = b.transpose() * p;
             recursive = weighted * a / (r + (weighted * b)[0]);
