@@ -25,9 +25,9 @@ pub mod plant;
 pub mod regulator;
 
 use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch, Waypoint};
+use crate::structure::Structure;
 use course::Course;
 use flexibility::Flexibility;
-use crate::structure::Structure;
 use node::scenario::{self, Gears, Scenario};
 use observer::{Observer, Reading, place};
 use plant::{Plant, State};

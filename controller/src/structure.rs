@@ -60,7 +60,9 @@ impl Structure {
         Self {
             jacobian: kinematics.jacobian(axes),
             links,
-            gears: links.diagonal().component_mul(&frequencies.component_mul(&frequencies)),
+            gears: links
+                .diagonal()
+                .component_mul(&frequencies.component_mul(&frequencies)),
             tool: tool_mass(controller, &r_from_s),
             sensor: Matrix6::from_diagonal(&compliance.map(|c| 1.0 / c)),
             compliance: Matrix6::from_diagonal(&compliance),

@@ -39,16 +39,16 @@ const FAILURES: [(i32, &str); 3] = [(128, "time"), (256, "search"), (512, "toler
 fn ended(next: &ControllerStatus) -> String {
     let failure = FAILURES.iter().find(|(bit, _)| next.limits & bit != 0);
     match failure {
-        _ if next.fault != Fault::None => fault(next.fault),
+        _ if next.fault != Fault::None => words(next.fault.name()),
         Some((_, name)) => (*name).to_owned(),
         None => "done".to_owned(),
     }
 }
 
-/// `NoContact` as `no contact`.
-fn fault(fault: Fault) -> String {
+/// A name such as `NoContact` as words: `no contact`.
+pub fn words(name: &str) -> String {
     let mut words = String::new();
-    for letter in fault.name().chars() {
+    for letter in name.chars() {
         if letter.is_uppercase() && !words.is_empty() {
             words.push(' ');
         }

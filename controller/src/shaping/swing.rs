@@ -34,11 +34,14 @@ impl Swing {
         let reaction = structure.tool * normal;
         let axes = structure.jacobian.lu().solve(&normal).unwrap_or_default();
         let torque = structure.links * axes + structure.jacobian.tr_mul(&reaction);
-        let at_s = structure.compliance * reaction + structure.jacobian * torque.component_div(&structure.gears);
+        let at_s =
+            structure.compliance * reaction + structure.jacobian * torque.component_div(&structure.gears);
         let (translation, turn) = split(&at_s);
         Self {
             acceleration: join(translation + turn.cross(&lever), turn),
-            modes_hz: structure.modes(0.0).map_or([f64::INFINITY; DOFS], |modes| modes.hz()),
+            modes_hz: structure
+                .modes(0.0)
+                .map_or([f64::INFINITY; DOFS], |modes| modes.hz()),
             gears,
         }
     }

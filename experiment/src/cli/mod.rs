@@ -7,6 +7,7 @@ mod doctor;
 mod free_motion;
 mod impact;
 mod run;
+mod task;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -49,6 +50,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Run(run::Args),
+    Task(task::Args),
     Compare(compare::Args),
     Calibrate(calibrate::Args),
     Impact(Box<impact::Args>),
@@ -88,6 +90,7 @@ pub(crate) fn main() -> ExitCode {
     node::shell::log_to_stderr();
     let outcome = match &cli.command {
         Command::Run(args) => run::run(args),
+        Command::Task(args) => task::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Calibrate(args) => calibrate::run(args),
         Command::Impact(args) => impact::run(args),
