@@ -5,6 +5,7 @@ mod fade;
 mod normal;
 mod path;
 mod plan;
+mod reference;
 mod route;
 mod sensed;
 mod statics;
@@ -13,9 +14,8 @@ mod told;
 pub(crate) use sensed::Sample;
 
 use crate::Settings;
-use crate::approach::{Share, spread};
 use crate::command_dynamics::CommandDynamics;
-use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch};
+use crate::contact::{ContactSample, PREVIEW, Touch};
 use crate::detection::Detector;
 use crate::disturbance::Disturbance;
 use crate::dofs::{Dofs, NORMAL, Selection, TaskFrame, TcpCompliance};
@@ -28,13 +28,13 @@ use crate::shaping::swing::Swing;
 use crate::shaping::{Point, Shape};
 use fade::Fade;
 use nalgebra::Vector3;
-use path::{Path, since};
+use path::Path;
 use plan::{Plan, bound_lead};
 use route::{Spiral, Travel};
 use sensed::{Contact, Sensed};
-use spatial::kinematics::{Axes, Unreachable, join};
+use spatial::kinematics::{Axes, Unreachable};
 use spatial::ports::{HORIZON, Law, SampleFlags};
-use spatial::{Compliance, Deflection, Pose, TICK_S};
+use spatial::{Compliance, Deflection, Pose};
 use statics::tcp_compliance;
 use std::f64::consts::TAU;
 
@@ -317,92 +317,5 @@ impl Motion {
             commanded,
         };
         Ok((set_points, bound))
-    }
-
-    /// The lowest height of the hanging tcp at `tick`, m: where it presses at the end of the search.
-    fn lowest(&self, expectation: &Expectation, tick: i64) -> f64 {
-        let end = self
-            .path
-            .map_or(f64::NEG_INFINITY, |path| path.end_m(expectation, tick));
-        end - libm::fabs(self.desired_displacement[NORMAL])
-    }
-
-    /// Where the hanging tcp is to be at `tick` as far as no force law moves it: on the way to the object and with it,
-    /// and in the posture that keeps the tool's reference; the deflected one is to keep to the way, so that the hanging
-    /// one leads it ([`crate::shaping`]). What leads the robot is led here if the law is not fed
-    /// forward.
-    ///
-    /// `known` is what stood in the posture for the instant before: shift, share and coordinates.
-    fn reference(
-        &self,
-        settings: &Settings,
-        expectation: &Expectation,
-        tick: i64,
-        fed_forward: bool,
-        known: &mut Option<(Vector3<f64>, f64, Dofs)>,
-    ) -> Dofs {
-        let kept = Share {
-            value: self.share,
-            ..Share::default()
-        };
-        let pressing = self.pressing();
-        let tilt = pressing.map_or(kept, |contact| {
-            let time = since(settings, contact.cycle_tick, tick);
-            spread(time, contact.tilt_time_s)
-        });
-        let share = if fed_forward {
-            tilt.value
-        } else {
-            self.dynamics.inverse(tilt.value, tilt.rate, tilt.acceleration)
-        };
-        let (distance, lead) = match pressing {
-            // What the tool was led by then fades away.
-            Some(Contact { met, .. }) if !self.inserts => {
-                (met.distance, self.lead(settings, &met) * (1.0 - tilt.value))
-            }
-            _ => {
-                let point = self.path.map_or(Point::default(), |path| path.at(settings, tick));
-                (point.distance, self.lead(settings, &point))
-            }
-        };
-        let shift = self.path.and_then(|path| path.shift(expectation, tick, distance));
-        let shift = shift.unwrap_or_default() + self.led(settings, tick);
-        let mut coordinates = match *known {
-            Some((before, at, coordinates)) if before == shift && at == share => coordinates,
-            _ => self.frame.coordinates(&self.posture.reference(shift, share)),
-        };
-        *known = Some((shift, share, coordinates));
-        coordinates += lead;
-        coordinates[NORMAL] -= distance;
-        if let Some((fade, left)) = self.fade {
-            coordinates += fade.at(since(settings, left, tick) + settings.period_s());
-        }
-        coordinates
-    }
-
-    /// What the force laws ask for at the ticks `reached`.
-    fn demand(&mut self, settings: &Settings, reached: &[i64; PREVIEW]) -> [Dofs; PREVIEW] {
-        let Plan {
-            coordinates,
-            commanded,
-            ..
-        } = self.plan;
-        let period_s = settings.period_s();
-        let desired_wrench = join(settings.desired.force, settings.desired.moment);
-        let (compliance, displacement) = (self.compliance, self.desired_displacement);
-        self.force_control.demand(
-            |dof| Aim {
-                wrench: desired_wrench[dof],
-                displacement: displacement[dof],
-                compliance: compliance.along(dof),
-            },
-            |dof| Situation {
-                commanded: commanded[dof],
-                desired: coordinates[0][dof],
-                desired_rate: (coordinates[1][dof] - coordinates[0][dof]) / period_s,
-                reached_s: reached.map(|tick| tick as f64 * TICK_S),
-                period_s,
-            },
-        )
     }
 }

@@ -39,13 +39,13 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Matrix1, Matrix2, RowVector2, Vector1, Vector2};
+    use nalgebra::{Matrix1, Matrix2, Vector2};
 
     /// One state: `P = q + a^2 P r / (r + P)` in closed form.
     #[test]
     fn one_state_in_closed_form() {
         let (a, q, r) = (1.1, 2.0, 3.0);
-        let k = gain(&Matrix1::new(a), &Vector1::new(1.0), &Matrix1::new(q), r).unwrap()[0];
+        let k = gain(&Matrix1::new(a), &Matrix1::new(1.0), &Matrix1::new(q), r).unwrap()[0];
         let half = 0.5 * (q + r * (a * a - 1.0));
         let p = half + libm::sqrt(half * half + q * r);
         assert!((k - a * p / (r + p)).abs() < 1e-12, "{k}");
@@ -58,7 +58,7 @@ mod tests {
         let (q, r) = (Matrix2::new(1.0, 0.0, 0.0, 0.0), 0.01);
         let k = gain(&a, &b, &q, r).unwrap();
         let mut p = q;
-        let mut recursive = RowVector2::new(0.0, 0.0);
+        let mut recursive = SMatrix::<f64, 1, 2>::zeros();
         for _ in 0..2000 {
             let weighted = b.transpose() * p;
             recursive = weighted * a / (r + (weighted * b)[0]);

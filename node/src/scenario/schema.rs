@@ -248,6 +248,7 @@ const UNITS: &[(&str, &str)] = &[
     ("_rad_per_nm", "rad/Nm"),
     ("_rad_per_s", "rad/s"),
     ("_rad_per_s2", "rad/s^2"),
+    ("_s2", "s^2"),
     ("_s", "s"),
     ("_ticks", "ticks"),
 ];
@@ -305,6 +306,10 @@ mod tests {
                 "controller.proposed.settled_filter_gain",
                 "controller.proposed.disturbance_feed_forward",
                 "controller.expected.filter_gain",
+                "controller.gears.damping_ratio",
+                "controller.elastic.contact_weight",
+                "controller.elastic.mode_spread",
+                "controller.elastic.likelihood_memory",
                 "controller.shaping.mode_error",
                 "controller.adaptation.enabled",
                 "controller.adaptation.gain",

@@ -5,7 +5,7 @@ use crate::scenario::{Scenario, schema::Entry};
 
 const SECTIONS: &str = "[timing], [robot], [robot.gantry], [robot.arm], [sensor], [tool], [object], [object_sensor], \
                         [task], [task.force_controlled], [program], [controller], [controller.pd], [controller.proposed], \
-                        [controller.impedance], [controller.expected], [controller.servo], [controller.gears], [controller.shaping], \
+                        [controller.impedance], [controller.expected], [controller.servo], [controller.gears], [controller.elastic], [controller.shaping], \
                         [controller.adaptation], \
                         [controller.impact]";
 
@@ -144,11 +144,10 @@ fn words_that_are_unknown_and_words_that_are_planned() {
         refusal("timing.mode = 'lokstep'\ncontroller.law = 'magic'", &[]),
         "a.toml:1:15: timing.mode is the unknown word \"lokstep\"; choose \"lockstep\"; did you mean \"lockstep\"?\n\
          a.toml:2:18: controller.law is the unknown word \"magic\"; choose \"pd\" or \"pd-reset\" or \"literal\" or \"proposed\" or \
-         \"impedance\""
+         \"impedance\" or \"elastic\""
     );
     let planned = [
         ("timing.mode", "realtime"),
-        ("controller.law", "elastic"),
         ("controller.law", "ros2"),
         ("controller.law", "fzi"),
     ];
@@ -177,7 +176,7 @@ fn overrides() {
             ]
         ),
         "--set controller.law=dp: controller.law is the unknown word \"dp\"; choose \"pd\" or \"pd-reset\" or \"literal\" or \"proposed\" or \
-         \"impedance\"\n\
+         \"impedance\" or \"elastic\"\n\
          --set timing.seed=-1: timing.seed is -1, below the limit of 0; choose a value in 0..=9223372036854775807\n\
          --set timing.seed: not an assignment; write --set section.key=value\n\
          --set =3: not an assignment; write --set section.key=value\n\
