@@ -95,7 +95,7 @@ fn each_law_stops_smoothly_in_every_phase_of_a_task() {
         assert_smooth(law, &worst);
         // What moves up at that instant by the law itself comes to rest, too: pd-reset does so at 60 mm/s.
         let back_m = if ["proposed", "impedance"].contains(&law) {
-            0.25e-3
+            0.4e-3
         } else {
             0.8e-3
         };
