@@ -7,9 +7,15 @@ build := if [ -t 2 ]; then export CARGO_TERM_PROGRESS_WHEN=always CARGO_TERM_PRO
 
 touchdown := target/release/touchdown
 
-all_laws := pd,pd-reset,literal,proposed,impedance
+all_laws := pd,pd-reset,literal,proposed,impedance,ros2,fzi
+tuned := experiment/tuned.toml
+# eq. (2) at each sample has nothing to tune.
+tuned_laws := pd,pd-reset,proposed,impedance,ros2,fzi
 
-.PHONY: help demo laws free-motion test bits bench doctor check format lint doc clean
+# Default and tuned rows, all laws.
+both := --gains default,tuned --laws $(all_laws)
+
+.PHONY: help demo laws tune maps free-motion test bits bench doctor check format lint doc clean
 
 help: ## list the targets (default)
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 13
@@ -20,11 +26,23 @@ demo: ## the paper's experiment with both laws, as three processes over LCM: tab
 
 laws: ## every law on every robot over contact phases and seeds: docs/laws.txt
 	@$(build)
-	@{ $(touchdown) compare paper --laws $(all_laws) && \
-	   $(touchdown) compare arm --kinematics arm --laws $(all_laws) && \
-	   $(touchdown) compare elastic --robots elastic --kinematics gantry,arm --laws $(all_laws); } >target/laws.txt
+	@{ $(touchdown) compare paper $(both) && $(touchdown) compare arm $(both) && \
+	   $(touchdown) compare elastic $(both),elastic && $(touchdown) compare elastic_arm $(both),elastic; } \
+	   >target/laws.txt
 	@mv target/laws.txt docs/laws.txt
 	@cat docs/laws.txt
+
+tune: ## tuned gains of every law on every robot: experiment/tuned.toml
+	@$(build)
+	@$(touchdown) tune paper --laws $(tuned_laws) --out $(tuned)
+	@$(touchdown) tune arm --laws $(tuned_laws) --out $(tuned)
+	@$(touchdown) tune elastic --laws $(tuned_laws),elastic --out $(tuned)
+	@$(touchdown) tune elastic_arm --laws $(tuned_laws),elastic --out $(tuned)
+
+maps: ## every law over contact, delay, robot, gears and period, thousands of runs: docs/map-*.svg, data in target/sweep
+	@$(build)
+	@$(touchdown) sweep shootout --out target/sweep/shootout
+	@for map in target/sweep/shootout/*.svg; do cp $$map docs/map-$${map##*/}; done
 
 free-motion: ## what free motion leaves swinging, shaped and not, on every robot: docs/free-motion.txt
 	@$(build)
@@ -44,9 +62,10 @@ bits: ## the same bits in release and, emulated, on other CPUs
 		./setup.sh bits cargo test --locked -p experiment --test golden || exit 1; \
 	done
 
-bench: ## how fast the simulation and the network are on this machine
+bench: ## how fast simulation, sweeps and network are on this machine
 	@$(build)
 	@$(touchdown) bench simulation
+	@$(touchdown) sweep smoke --fresh --out target/sweep/bench
 	@$(touchdown) bench network
 
 doctor: ## is this host fit for LCM over UDP multicast?

@@ -65,10 +65,27 @@ pub struct Situation {
     pub desired: f64,
     /// Its rate, m/s or rad/s.
     pub desired_rate: f64,
+    /// Where the tcp would be without contact by the newest encoder values, m or rad.
+    pub actual: f64,
     /// When the robot reaches the coming set-points, s; T apart.
     pub reached_s: [f64; PREVIEW],
     /// T, s.
     pub period_s: f64,
+}
+
+#[cfg(test)]
+impl Situation {
+    /// At rest at `position` since ever.
+    pub(crate) fn at_rest(position: f64, period_s: f64) -> Self {
+        Self {
+            commanded: position,
+            desired: position,
+            desired_rate: 0.0,
+            actual: position,
+            reached_s: [0.0; PREVIEW],
+            period_s,
+        }
+    }
 }
 
 #[cfg(test)]

@@ -33,6 +33,7 @@ use observer::{Observer, Reading, place};
 use plant::{Plant, State};
 use spatial::TICK_S;
 use spatial::kinematics::Axes;
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// Modes that are modelled; the others are taken as rigid.
@@ -88,6 +89,13 @@ pub struct Elastic {
     course: Course,
     /// When the newest sample was true (s), and where the motors were then (m).
     newest: Option<(f64, f64)>,
+    /// Whether the tool touched the object in the newest sample.
+    touches: bool,
+    /// How long the deflection still has to stay in the range before the regulator acts, s: a swing of the slowest mode
+    /// after the deflection has left it.
+    waits_s: f64,
+    /// Whether the regulator acts.
+    regulated: bool,
     motion: [Waypoint; PREVIEW],
 }
 
@@ -99,6 +107,9 @@ impl Elastic {
             observers: None,
             course: Course::default(),
             newest: None,
+            touches: false,
+            waits_s: 0.0,
+            regulated: false,
             motion: [Waypoint::default(); PREVIEW],
         }
     }
@@ -115,6 +126,7 @@ impl Elastic {
             motors: sample.actual,
             touches: sample.touch == Touch::Contact,
         };
+        self.touches = reading.touches;
         let begins = self.observers.is_none() || sample.touch == Touch::Lost;
         let Some((time_s, motors)) = self.newest.filter(|_| !begins) else {
             let filter = self.course.at(sample.time_s);
@@ -165,6 +177,20 @@ impl Elastic {
             state
         });
         let period = self.design.period_s;
+        // How far the deflection is from what is desired, in the mean of the hypotheses.
+        let off: f64 = (0..HYPOTHESES)
+            .map(|i| weights[i] * ((self.design.plants[i].seen * states[i])[0] - aim.displacement))
+            .sum();
+        let range = self.design.parameters.linear_range * libm::fabs(aim.displacement);
+        let inside = self.touches && libm::fabs(off) <= range;
+        self.waits_s = match inside {
+            true => (self.waits_s - self.design.period_s).max(0.0),
+            false => TAU / self.design.plants[0].frequencies[0],
+        };
+        self.regulated = self.waits_s == 0.0;
+        if !self.regulated {
+            return [self.resting_place(aim, &weights); PREVIEW];
+        }
         for motion in &mut self.motion {
             let mut change = 0.0;
             for ((plant, state), weight) in self.design.plants.iter().zip(&states).zip(weights) {
@@ -189,9 +215,20 @@ impl Elastic {
         self.motion.map(|waypoint| waypoint.position)
     }
 
+    /// Paper (2): where the motors rest when the desired force results.
+    fn resting_place(&self, aim: &Aim, weights: &[f64; HYPOTHESES]) -> f64 {
+        let observers = self.observers.iter().flatten();
+        let places = observers.zip(&self.design.plants).zip(weights);
+        places
+            .map(|((observer, plant), weight)| {
+                weight * (observer.object() + aim.displacement / plant.share())
+            })
+            .sum()
+    }
+
     /// The motion that [`Elastic::desired`] asked for last, T apart.
     pub fn motion(&self) -> Option<&[Waypoint; PREVIEW]> {
-        self.observers.is_some().then_some(&self.motion)
+        self.regulated.then_some(&self.motion)
     }
 
     /// The object's coordinate and its rate.

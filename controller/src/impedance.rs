@@ -72,6 +72,10 @@ impl Impedance {
             rest: self.object().map_or(situation.desired, |(object, _)| object),
         };
         let mut state = *self.state.get_or_insert(met);
+        // Back-calculation: where a bound kept the tcp from the motion, the motion goes on from there.
+        if state.position != situation.desired {
+            (state.position, state.velocity) = (situation.desired, situation.desired_rate);
+        }
         std::array::from_fn(|i| {
             if let Some(object) = self.object.at(situation.reached_s[i]) {
                 state = self.moved(state, object, aim, situation.period_s);
@@ -113,14 +117,20 @@ mod tests {
         let object = ObjectModel::new(&scenario::Proposed::default());
         let mut law = Impedance::new(parameters, 2, object);
         law.take(&ContactSample::default());
-        let situation = Situation {
+        let mut situation = Situation {
             commanded: 0.0,
             desired: 0.0,
             desired_rate: -0.02,
+            actual: 0.0,
             reached_s: [0.0; PREVIEW],
             period_s: 4e-3,
         };
-        (0..periods).fold(0.0, |_, _| law.desired(&AIM, &situation)[0])
+        for _ in 0..periods {
+            let [next, after, ..] = law.desired(&AIM, &situation);
+            situation.desired = next;
+            situation.desired_rate = (after - next) / situation.period_s;
+        }
+        situation.desired
     }
 
     proptest! {

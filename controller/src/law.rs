@@ -3,10 +3,12 @@
 use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch, Waypoint};
 use crate::dofs::{Dofs, NORMAL, Selection};
 use crate::elastic::Elastic;
+use crate::fzi::Fzi;
 use crate::impedance::Impedance;
 use crate::literal::Literal;
 use crate::object_model::ObjectModel;
 use crate::pd::Pd;
+use crate::ros2::Ros2;
 use nalgebra::Vector3;
 use node::scenario;
 use spatial::ports::Law;
@@ -28,11 +30,14 @@ pub enum DofLaw {
     Impedance(Impedance),
     /// The object model behind elastic gears, along the normal.
     Elastic(Elastic),
+    /// That of ROS 2's admittance controller.
+    Ros2(Ros2),
+    /// That of FZI's cartesian force controller.
+    Fzi(Fzi),
 }
 
 impl DofLaw {
-    /// The configured law for the degree of freedom `dof`. A law that does not exist yet is refused with the
-    /// configuration and never comes here.
+    /// The configured law for the degree of freedom `dof`.
     pub fn new(controller: &scenario::Controller, dof: usize) -> Self {
         let object = || ObjectModel::new(&controller.proposed);
         match controller.law {
@@ -41,15 +46,16 @@ impl DofLaw {
             Law::Proposed | Law::Elastic => Self::Proposed(object()),
             Law::Impedance => Self::Impedance(Impedance::new(&controller.impedance, dof, object())),
             Law::PdReset => Self::Pd(Pd::new(&controller.pd, dof, true)),
-            // Those that do not exist yet are refused with the scenario.
-            Law::Pd | Law::Ros2 | Law::Fzi => Self::Pd(Pd::new(&controller.pd, dof, false)),
+            Law::Ros2 => Self::Ros2(Ros2::new(&controller.ros2, dof)),
+            Law::Fzi => Self::Fzi(Fzi::new(&controller.fzi, dof)),
+            Law::Pd => Self::Pd(Pd::new(&controller.pd, dof, false)),
         }
     }
 
     /// The object moves with `rate` (m/s or rad/s) as the contact begins: for a law that predicts it.
     pub fn expect(&mut self, rate: f64) {
         match self {
-            Self::Pd(_) | Self::Literal(_) | Self::Elastic(_) => {}
+            Self::Pd(_) | Self::Literal(_) | Self::Elastic(_) | Self::Ros2(_) | Self::Fzi(_) => {}
             Self::Proposed(law) => law.expect(rate),
             Self::Impedance(law) => law.expect(rate),
         }
@@ -63,6 +69,8 @@ impl DofLaw {
             Self::Proposed(law) => law.take(sample),
             Self::Impedance(law) => law.take(sample),
             Self::Elastic(law) => law.take(sample),
+            Self::Ros2(law) => law.take(sample),
+            Self::Fzi(law) => law.take(sample),
         }
     }
 
@@ -74,6 +82,8 @@ impl DofLaw {
             Self::Proposed(law) => law.desired(aim, situation),
             Self::Impedance(law) => law.desired(aim, situation),
             Self::Elastic(law) => law.desired(aim, situation),
+            Self::Ros2(law) => [law.set_point(aim, situation); PREVIEW],
+            Self::Fzi(law) => [law.set_point(aim, situation); PREVIEW],
         }
     }
 
@@ -85,6 +95,8 @@ impl DofLaw {
             Self::Proposed(law) => law.object(),
             Self::Impedance(law) => law.object(),
             Self::Elastic(law) => law.object(),
+            Self::Ros2(law) => law.object(),
+            Self::Fzi(law) => law.object(),
         }
     }
 }

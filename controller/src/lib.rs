@@ -8,7 +8,8 @@
 //! | actual pose and deflection at the same instant | [`pairing`] | below (2) |
 //! | object expected before the contact | [`expectation`], [`approach`] | II-B, IV-C, footnote 3 |
 //! | free motion that leaves nothing swinging | [`shaping`], [`approach`] | VI |
-//! | contact or not | [`detection`] | V |
+//! | contact or not; collision | [`detection`], [`collision`] | V |
+//! | limits of the command | [`limits`] | |
 //! | between sensor and tcp | [`transform`] | (3)-(12) |
 //! | force controlled or not, per degree of freedom | [`dofs`] | III |
 //! | the laws behind one interface | [`law`] | |
@@ -17,6 +18,7 @@
 //! | object measured once, then refined and extrapolated | [`object_model`], [`fading_memory`] | (2), (12) |
 //! | impedance as the task | [`impedance`] | II |
 //! | the object behind elastic gears | [`elastic`] | VI |
+//! | peers' laws, for comparison | [`ros2`], [`fzi`] | |
 //! | feed-forward of the position control | [`command_dynamics`] | Fig. 2, II-B |
 //! | desired force as a disturbance of the position control | [`disturbance`] | II-B |
 //! | posture that keeps the tool's orientation | [`posture`] | (9)-(11), Fig. 5 |
@@ -32,6 +34,7 @@ pub mod adaptation;
 pub mod agenda;
 pub mod approach;
 pub mod calibration;
+pub mod collision;
 pub mod command_dynamics;
 pub mod contact;
 pub mod detection;
@@ -41,14 +44,17 @@ pub mod drift;
 pub mod elastic;
 pub mod expectation;
 pub mod fading_memory;
+pub mod fzi;
 pub mod impact;
 pub mod impedance;
 pub mod law;
+pub mod limits;
 pub mod literal;
 pub mod object_model;
 pub mod pairing;
 pub mod pd;
 pub mod posture;
+pub mod ros2;
 pub mod shaping;
 pub mod structure;
 pub mod tare;
@@ -58,6 +64,7 @@ pub mod transform;
 mod motion;
 mod parameters;
 mod program;
+mod protection;
 mod readiness;
 mod requests;
 mod sensing;
@@ -65,7 +72,9 @@ mod settings;
 mod status;
 mod steps;
 
+use collision::CollisionWatch;
 use expectation::Expectation;
+use limits::Limits;
 use motion::{Motion, Sample};
 use nalgebra::Vector3;
 use node::scenario::{self, Pairing, Scenario};
@@ -77,8 +86,7 @@ use sensing::Sensing;
 use settings::Settings;
 use spatial::kinematics::Axes;
 use spatial::ports::{
-    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, HORIZON, ObjectPose,
-    RobotState,
+    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, ObjectPose, RobotState,
 };
 use spatial::{TICK_S, TICK_US};
 use std::f64::consts::TAU;
@@ -124,6 +132,10 @@ pub struct Controller {
     motion: Option<Motion>,
     /// The way of a calibration, until it is done.
     tilting: Option<Tilting>,
+    collision: CollisionWatch,
+    /// The last stage before a command leaves.
+    bounds: Limits,
+    /// Bits of the limits that bind.
     limits: i32,
 }
 
@@ -152,6 +164,8 @@ impl Controller {
             commanded: Axes::zeros(),
             motion: None,
             tilting: None,
+            collision: CollisionWatch::new(&scenario.controller),
+            bounds: Limits::new(scenario, &Axes::zeros()),
             limits: 0,
         }
     }
@@ -178,6 +192,7 @@ impl Controller {
         if self.phase == ControllerPhase::Init {
             self.start = state.axis_position[0];
             self.commanded = self.start;
+            self.bounds.begin(&self.start);
             self.phase = ControllerPhase::Sync;
         }
         for sample in deflections.samples.iter().rev() {
@@ -225,6 +240,7 @@ impl Controller {
             None if self.tilting.is_some_and(|tilting| tilting.begun()) => {}
             None => self.sensing.take_free(motion.normal_force_n()),
         }
+        self.watch_for_collision(&taken);
     }
 
     /// The axes that belong to a sample, and when (s): those at its instant, less what the sensor's low pass delays.
@@ -262,7 +278,9 @@ impl Controller {
             ControllerPhase::Sync if self.tared(tick) => {
                 if let Some(noise_m) = self.sensing.finish_tare(self.settings.controller.tare_s) {
                     let zero = self.sensing.zero();
-                    self.motion = Some(Motion::new(&self.settings, &zero, noise_m, &self.start));
+                    let motion = Motion::new(&self.settings, &zero, noise_m, &self.start);
+                    self.bounds.hang(motion.hanging_in_s());
+                    self.motion = Some(motion);
                     self.tilting = Tilting::of(&self.settings, &self.start);
                     self.phase = ControllerPhase::Ready;
                 }
@@ -300,33 +318,6 @@ impl Controller {
         if self.fault == Fault::None {
             self.fault = fault;
         }
-    }
-
-    /// The next set-points of the axes, one period apart. A pose that kinematics can't reach latches a fault. After any
-    /// fault the axes stay at the set-point last given.
-    fn set_points(&mut self, tick: i64, actual: &Axes) -> [Axes; HORIZON] {
-        self.limits = 0;
-        let held = [self.commanded; HORIZON];
-        let Some(motion) = &mut self.motion else {
-            return held;
-        };
-        if self.fault != Fault::None {
-            return held;
-        }
-        let settings = &self.settings;
-        let answer = match &mut self.tilting {
-            Some(tilting) if tilting.begun() => tilting.set_points(settings, actual, &self.commanded),
-            _ => motion.set_points(settings, &self.expectation, tick, actual),
-        };
-        let Ok((set_points, bound)) = answer else {
-            self.fail(Fault::Unreachable);
-            return held;
-        };
-        if bound {
-            self.limits |= status::LIMIT_LEAD;
-        }
-        self.commanded = set_points[0];
-        set_points
     }
 }
 

@@ -1,6 +1,7 @@
 //! The task once the tare is known: approach, contact, and the way from the tcp's coordinates to axes.
 
 mod begin;
+mod bounds;
 mod fade;
 mod normal;
 mod path;
@@ -23,6 +24,7 @@ use crate::elastic::Elastic;
 use crate::expectation::Expectation;
 use crate::impact::ImpactMonitor;
 use crate::law::ForceControl;
+use crate::limits::Limits;
 use crate::posture::Posture;
 use crate::shaping::swing::Swing;
 use crate::shaping::{Point, Shape};
@@ -31,9 +33,9 @@ use nalgebra::Vector3;
 use path::Path;
 use plan::{Plan, bound_lead};
 use route::{Spiral, Travel};
-use sensed::{Contact, Sensed};
+use sensed::{Contact, LONGEST_BOUNCE_TICKS, Sensed};
 use spatial::kinematics::{Axes, Unreachable};
-use spatial::ports::{HORIZON, Law, SampleFlags};
+use spatial::ports::{HORIZON, LIMIT_LEAD, Law, SampleFlags};
 use spatial::{Compliance, Deflection, Pose};
 use statics::tcp_compliance;
 use std::f64::consts::TAU;
@@ -75,19 +77,14 @@ pub(crate) struct Motion {
     /// `None` where no assessment can be made of what is assumed, which no scenario allows.
     impact: Option<ImpactMonitor>,
     contact: Option<Contact>,
+    /// The tool that no law presses any more still leaves what it touches: the tick of the newest sample that shows it.
+    leaving: Option<i64>,
     newest: Sensed,
     plan: Plan,
     /// The lowest height that a force law may seek, m.
     lowest_m: f64,
     settled_cycles: i64,
-    overloaded_cycles: i64,
-    /// The threshold that the noise asks for, N.
-    above_noise_n: f64,
 }
-
-/// The least detection threshold, in standard deviations of the noise: whatever compliance is assumed, noise is no
-/// contact. Three false alarms in a million samples.
-const ABOVE_NOISE: f64 = 4.5;
 
 impl Motion {
     /// At rest at the axes `start`, with the deflection `tare` there, which shows a noise of `noise_m` (m rms) along the
@@ -119,12 +116,6 @@ impl Motion {
         let compliance = tcp_compliance(&settings.compliance, &posture, &r_from_s, &selection);
         let noise_n = noise_m / compliance.along(NORMAL);
         let elastic = settings.elastic.clone().map(Elastic::new);
-        // What the tool's inertia deflects looks like as much more force as the sensor is softer than assumed.
-        let softer = if controller.adaptation.enabled {
-            controller.adaptation.maximum_ratio
-        } else {
-            1.0
-        };
         Self {
             frame,
             selection,
@@ -150,20 +141,15 @@ impl Motion {
                 *start,
             ),
             disturbance: Disturbance::new(&controller.servo),
-            detector: Detector::new(
-                controller.detection_threshold_n.max(ABOVE_NOISE * noise_n),
-                controller.apparent_mass_kg * softer,
-                controller.detection_fading_s,
-            ),
+            detector: Detector::of(controller, noise_n),
             force_control: ForceControl::new(controller, selection, elastic),
             impact,
             contact: None,
+            leaving: None,
             newest: Sensed::new(&sample, &r_from_s, &posture, &compliance),
             plan: Plan::stay(coordinates, *start),
             lowest_m: f64::NEG_INFINITY,
             settled_cycles: 0,
-            overloaded_cycles: 0,
-            above_noise_n: ABOVE_NOISE * noise_n,
         }
     }
 
@@ -193,7 +179,8 @@ impl Motion {
             let object = object_velocity.map_or(0.0, |velocity| velocity[NORMAL]);
             impact.take(sample.time_s, heights, object);
         }
-        if approaching && self.contact.is_none() && sensed.normal_force_n > self.detector.threshold_n() {
+        let looking = approaching && self.contact.is_none();
+        if self.detector.take(sensed.normal_force_n, looking) {
             let reached = tick + settings.lead() * settings.period_ticks;
             let met = self
                 .path
@@ -206,6 +193,11 @@ impl Motion {
                 self.force_control.expect(&velocity);
             }
         }
+        let touches = libm::fabs(sensed.normal_force_n) > self.detector.threshold_n();
+        self.leaving = self
+            .leaving
+            .map(|last| if touches { sample.tick } else { last })
+            .filter(|last| sample.tick - last <= LONGEST_BOUNCE_TICKS);
         if let Some(contact) = self.contact.as_mut().filter(|contact| !contact.released) {
             let touch = contact.touch(settings, &self.selection, &sensed);
             contact.lost = touch == Touch::Lost;
@@ -243,14 +235,15 @@ impl Motion {
         self.contact.filter(|contact| !contact.released)
     }
 
-    /// The next set-points of the axes, one period apart, and whether the bound of command minus actual binds.
+    /// The next set-points of the axes, one period apart, within `limits`, and the bits of the limits that bind.
     pub(crate) fn set_points(
         &mut self,
         settings: &Settings,
         expectation: &Expectation,
+        limits: &mut Limits,
         tick: i64,
         actual: &Axes,
-    ) -> Result<([Axes; HORIZON], bool), Unreachable> {
+    ) -> Result<([Axes; HORIZON], i32), Unreachable> {
         // The first set-point is reached n_d + 1 periods from now.
         let reached: [i64; PREVIEW] =
             std::array::from_fn(|i| tick + (settings.lead() + i as i64) * settings.period_ticks);
@@ -263,11 +256,15 @@ impl Motion {
         if pressing {
             let lowest = self.lowest(expectation, reached[0]);
             self.lowest_m = lowest;
-            for (all, demand) in coordinates.iter_mut().zip(self.demand(settings, &reached)) {
+            for (all, demand) in coordinates
+                .iter_mut()
+                .zip(self.demand(settings, &reached, actual))
+            {
                 *all = self.selection.merge(&demand, all);
                 all[NORMAL] = all[NORMAL].max(lowest);
             }
         }
+        let mut bits = self.bound(settings, limits, &mut coordinates);
         let kinematics = &settings.kinematics;
         let axes = self
             .plan
@@ -298,6 +295,8 @@ impl Motion {
             // The way waits for a robot that does not follow.
             self.wait(settings.period_ticks);
         }
+        let limited = limits.apply(tick, &mut set_points);
+        bits |= limited | if bound { LIMIT_LEAD } else { 0 };
         let acceleration = self.dynamics.advance(&set_points[0]);
         if !pressing {
             let acceleration = self.tcp_acceleration(settings, &set_points[0], &acceleration);
@@ -305,7 +304,7 @@ impl Motion {
         } else {
             self.detector.follow(0.0, settings.period_ticks);
         }
-        let commanded = if bound {
+        let commanded = if bound || limited != 0 {
             let r_from_s = kinematics.forward(&set_points[0]);
             self.frame.coordinates(&self.posture.hanging_tcp(&r_from_s))
         } else {
@@ -316,6 +315,6 @@ impl Motion {
             axes,
             commanded,
         };
-        Ok((set_points, bound))
+        Ok((set_points, bits))
     }
 }

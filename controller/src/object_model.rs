@@ -84,6 +84,7 @@ mod tests {
             commanded: 0.5,
             desired: 0.4,
             desired_rate: 0.0,
+            actual: 0.4,
             reached_s: std::array::from_fn(|i| 1.0 + 4e-3 * i as f64),
             period_s: 4e-3,
         }

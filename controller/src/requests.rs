@@ -140,6 +140,7 @@ impl Controller {
     fn start(&mut self, tick: i64, state: &RobotState) -> Result<(), Refusal> {
         self.ready(tick, state)?;
         self.started = true;
+        self.collision.reset();
         if self.settings.task.kind == TaskKind::Calibrate {
             return self.begin_calibration();
         }
@@ -191,6 +192,7 @@ impl Controller {
             return Err(latched());
         }
         self.fault = Fault::None;
+        self.collision.reset();
         self.started = true;
         self.program.end();
         if let Some(tilting) = &mut self.tilting {

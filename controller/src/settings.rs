@@ -6,6 +6,7 @@ use node::scenario::{self, Scenario, TaskKind};
 use spatial::kinematics::Kinematics;
 use spatial::ports::Law;
 use spatial::{Compliance, TICK_S, Wrench};
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// What is in force now.
@@ -56,6 +57,15 @@ impl Settings {
     /// Periods from a cycle to the instant at which its first set-point is reached.
     pub(crate) fn lead(&self) -> i64 {
         self.controller.command_delay_periods + 1
+    }
+
+    /// The speed (m/s) at which the command is as far ahead of the actual pose as it may be, but for what acceleration
+    /// adds: the tcp is sent where it arrives after the dead time, and the command filter lags by `2 zeta / w`. Faster, the
+    /// way would wait and go on again and again.
+    pub(crate) fn fastest_m_per_s(&self) -> f64 {
+        let controller = &self.controller;
+        let lag_s = 2.0 * controller.filter_damping / (TAU * controller.filter_frequency_hz);
+        0.97 * controller.max_lead_m / (self.lead() as f64 * self.period_s() + lag_s)
     }
 
     /// T, s.

@@ -4,19 +4,10 @@ use crate::Controller;
 use nalgebra::Vector3;
 use spatial::kinematics::Axes;
 use spatial::ports::{
-    Authenticity, Command, ControllerPhase, ControllerStatus, Detection, HORIZON, ImpactAssessment, Role,
-    Stamp,
+    Authenticity, Command, ControllerPhase, ControllerStatus, Detection, HORIZON, ImpactAssessment,
+    LIMIT_COLLISION_FORCE_X, LIMIT_DEFLECTION, LIMIT_DRIFT, LIMIT_VELOCITY, Role, Stamp,
 };
 use spatial::{Deflection, Pose, Wrench};
-
-/// The bit of `ControllerStatus::limits` that says that command minus actual pose is at its bound.
-pub(crate) const LIMIT_LEAD: i32 = 1;
-/// The bit that says that the approach is slowed so that the impact stays within the allowed force.
-const LIMIT_VELOCITY: i32 = 2;
-/// The bit that says that the sensor is at the end of its range.
-const LIMIT_DEFLECTION: i32 = 32;
-/// The bit that says that, before contact, the sensor shows a force that it should not.
-const LIMIT_DRIFT: i32 = 64;
 
 impl Controller {
     pub(crate) fn command(&self, tick: i64, axis_position: [Axes; HORIZON]) -> Command {
@@ -87,6 +78,11 @@ impl Controller {
         if motion.saturated() {
             status.limits |= LIMIT_DEFLECTION;
         }
+        if let Some(exceeded) = self.collision.exceeded() {
+            status.detection.statistic_n = exceeded.value;
+            status.detection.threshold_n = exceeded.limit;
+            status.limits |= LIMIT_COLLISION_FORCE_X << exceeded.axis;
+        }
         if let Some(contact_tick) = motion.contact_tick() {
             status.detection.contact_step = contact_tick;
         }
@@ -99,7 +95,7 @@ impl Controller {
     }
 
     /// The wrench at the tcp that the deflection beyond the tare stands for: (3)-(6) solved for the tcp.
-    fn contact_wrench(&self, deflection: &Deflection) -> Wrench {
+    pub(crate) fn contact_wrench(&self, deflection: &Deflection) -> Wrench {
         let contact_only = *deflection - self.sensing.zero();
         let compliance = self.sensing.compliance();
         let solve =

@@ -6,15 +6,10 @@ use crate::{Controller, ControllerPhase};
 use nalgebra::Vector3;
 use node::scenario::{ForceControlled, Step, StepKind};
 use spatial::TICK_S;
-use spatial::ports::Fault;
+use spatial::ports::{Fault, LIMIT_STEP_SEARCH, LIMIT_STEP_TIME, LIMIT_STEP_TOLERANCE};
 
 /// How long the force must stay in its band before the contact counts as settled, s.
 const SETTLED_S: f64 = 0.05;
-
-/// The bits of `ControllerStatus::limits` that say why the program's step before has failed.
-const LIMIT_STEP_TIME: i32 = 128;
-const LIMIT_STEP_SEARCH: i32 = 256;
-const LIMIT_STEP_TOLERANCE: i32 = 512;
 
 /// How a step stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,6 +32,9 @@ impl Controller {
             return;
         };
         program.began_tick = tick;
+        if matches!(step.kind, StepKind::Approach | StepKind::Move) {
+            self.collision.reset();
+        }
         let selection = selection(&settings.task.force_controlled, &step, program.configured);
         self.phase = match step.kind {
             StepKind::Approach => {
@@ -130,9 +128,6 @@ impl Controller {
         let no_contact = Progress::Failed(Fault::NoContact, LIMIT_STEP_SEARCH);
         if elapsed_s > step.timeout_s {
             return Progress::Failed(Fault::StepTimeout, LIMIT_STEP_TIME);
-        }
-        if motion.overloaded(settings, settings.task.max_contact_force_n) {
-            return Progress::Failed(Fault::ForceLimit, LIMIT_STEP_TOLERANCE);
         }
         let ended = motion.approached_for(tick) > motion.approach_duration(settings);
         match step.kind {

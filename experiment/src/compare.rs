@@ -4,10 +4,11 @@ mod summary;
 mod variations;
 
 pub use summary::Summary;
-pub use variations::{metrics, outcomes, variations};
+pub use variations::{metrics, outcomes, variations, variations_from};
 
 use crate::table::Row;
-use node::scenario::{Scenario, ScenarioError};
+use crate::tuning::{Gains, Tuned, TuningError};
+use node::scenario::Scenario;
 use serde::Serialize;
 use std::fmt::{Display, Formatter};
 
@@ -20,6 +21,8 @@ pub struct Matrix {
     pub kinematics: Vec<String>,
     /// Words of `controller.law`.
     pub laws: Vec<String>,
+    /// With which gains.
+    pub gains: Vec<Gains>,
     /// Contact phases relative to T.
     pub phases: usize,
     /// Seeds for each of them.
@@ -44,6 +47,8 @@ pub struct Failure {
     pub kinematics: String,
     /// Control law.
     pub law: String,
+    /// With which gains.
+    pub gains: Gains,
     /// Contact phase, from 1.
     pub phase: usize,
     /// Seed of the run.
@@ -58,26 +63,34 @@ impl Display for Failure {
             robot,
             kinematics,
             law,
+            gains,
             phase,
             seed,
             reason,
         } = self;
         write!(
             f,
-            "law {law} on {robot} {kinematics}, phase {phase}, seed {seed}: {reason}"
+            "law {law}{} on {robot} {kinematics}, phase {phase}, seed {seed}: {reason}",
+            gains.suffix()
         )
     }
 }
 
 impl Matrix {
-    /// Runs in all.
+    /// Runs in all, or fewer where a law has nothing to tune.
     pub fn runs(&self) -> usize {
-        self.robots.len() * self.kinematics.len() * self.laws.len() * self.phases * self.seeds
+        let combinations = self.robots.len() * self.kinematics.len() * self.laws.len() * self.gains.len();
+        combinations * self.phases * self.seeds
     }
 
-    /// Run all combinations on the rest of `scenario`, calling `done` after every run. What can't be combined is
-    /// refused before the first run.
-    pub fn run(&self, scenario: &Scenario, done: impl Fn() + Sync) -> Result<Comparison, ScenarioError> {
+    /// Run all combinations on the rest of `scenario`, with tuned gains from `tuned`, calling `done` after every run.
+    /// What can't be combined is refused before the first run. A law that has nothing to tune has no tuned row.
+    pub fn run(
+        &self,
+        scenario: &Scenario,
+        tuned: &Tuned,
+        done: impl Fn() + Sync,
+    ) -> Result<Comparison, TuningError> {
         let mut plan = Vec::new();
         for robot in &self.robots {
             for kinematics in &self.kinematics {
@@ -87,17 +100,18 @@ impl Matrix {
                         format!("robot.kinematics={kinematics}"),
                         format!("controller.law={law}"),
                     ])?;
-                    plan.push((
-                        robot,
-                        kinematics,
-                        law,
-                        variations(&varied, self.phases, self.seeds),
-                    ));
+                    for &gains in &self.gains {
+                        let Some(varied) = tuned.apply(gains, &varied)? else {
+                            continue;
+                        };
+                        let runs = variations(&varied, self.phases, self.seeds);
+                        plan.push((robot, kinematics, law, gains, runs));
+                    }
                 }
             }
         }
         let mut comparison = Comparison::default();
-        for (robot, kinematics, law, variations) in plan {
+        for (robot, kinematics, law, gains, variations) in plan {
             let outcomes = outcomes(&variations, &done);
             for (i, outcome) in outcomes.iter().enumerate() {
                 if let Err(reason) = outcome {
@@ -105,20 +119,23 @@ impl Matrix {
                         robot: robot.clone(),
                         kinematics: kinematics.clone(),
                         law: law.clone(),
+                        gains,
                         phase: i / self.seeds + 1,
                         seed: variations[i].timing.seed,
                         reason: reason.to_string(),
                     });
                 }
             }
-            if let Some(Summary { runs, mean, worst }) = Summary::of(&outcomes) {
+            if let Some(summary) = Summary::over_phases(&outcomes, self.seeds) {
                 comparison.rows.push(Row {
                     robot: robot.clone(),
                     kinematics: kinematics.clone(),
                     law: law.clone(),
-                    runs,
-                    mean,
-                    worst,
+                    gains,
+                    runs: summary.runs,
+                    mean: summary.mean,
+                    worst: summary.worst,
+                    confidence: summary.confidence,
                 });
             }
         }
@@ -137,6 +154,7 @@ mod tests {
             robots: vec!["rigid".to_owned()],
             kinematics: vec!["gantry".to_owned()],
             laws: laws.iter().map(|&law| law.to_owned()).collect(),
+            gains: vec![Gains::Default],
             phases,
             seeds: 2,
         }
@@ -150,7 +168,11 @@ mod tests {
     #[test]
     fn runs_without_figures_are_named_one_by_one() {
         let comparison = matrix(&["pd", "proposed"], 1)
-            .run(&scenario(&["timing.duration_s=0.5", "timing.seed=7"]), || ())
+            .run(
+                &scenario(&["timing.duration_s=0.5", "timing.seed=7"]),
+                &Tuned::default(),
+                || (),
+            )
             .unwrap();
         assert!(comparison.rows.is_empty());
         let failures: Vec<_> = comparison.failures.iter().map(Failure::to_string).collect();
@@ -189,7 +211,7 @@ mod tests {
                 .unwrap()
                 .scenario(&[])
                 .unwrap();
-            let comparison = both.run(&scenario, || ()).unwrap();
+            let comparison = both.run(&scenario, &Tuned::default(), || ()).unwrap();
             assert_eq!(
                 (comparison.rows.len(), comparison.failures.len()),
                 (2, 0),
@@ -208,6 +230,8 @@ mod tests {
     fn a_latched_fault_is_no_good_run() {
         let outcome = metrics(&scenario(&[
             "robot.gantry.axis_maximum_rad=[1.0,1.0,1.0,1.5,0.001,1.5]",
+            // The controller, which would not go there, is to think that the axes reach further.
+            "controller.limits.axis_margin_rad=-0.1",
         ]));
         assert!(
             matches!(

@@ -2,16 +2,20 @@
 
 pub mod calibrate;
 pub mod compare;
+pub mod detection;
 pub mod doctor;
 pub mod figure;
 pub mod free_motion;
 pub mod impact;
 pub mod in_process;
 pub mod launch;
+pub mod linear;
 pub mod metrics;
 pub mod out;
 pub mod program;
 pub mod run_port;
 pub mod scenarios;
+pub mod sweep;
 pub mod table;
 pub mod transcript;
+pub mod tuning;

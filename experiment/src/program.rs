@@ -4,7 +4,7 @@ use crate::table::{Align, Column, fixed, print_columns};
 use node::scenario::{Scenario, StepKind};
 use serde::Serialize;
 use spatial::TICK_S;
-use spatial::ports::{ControllerStatus, Fault};
+use spatial::ports::{ControllerStatus, Fault, LIMIT_STEP_SEARCH, LIMIT_STEP_TIME, LIMIT_STEP_TOLERANCE};
 use std::fmt::{Display, Formatter, Result};
 
 /// What became of one step. Forces and position as the controller measures them.
@@ -33,7 +33,11 @@ pub struct StepResult {
 /// The means at a step's end are taken over that time, s.
 const END_S: f64 = 0.05;
 /// Bits of `limits` that say why the step before failed, and what they are called.
-const FAILURES: [(i32, &str); 3] = [(128, "time"), (256, "search"), (512, "tolerance")];
+const FAILURES: [(i32, &str); 3] = [
+    (LIMIT_STEP_TIME, "time"),
+    (LIMIT_STEP_SEARCH, "search"),
+    (LIMIT_STEP_TOLERANCE, "tolerance"),
+];
 
 /// How a step that is followed by `next` has ended.
 fn ended(next: &ControllerStatus) -> String {

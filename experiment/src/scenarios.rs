@@ -53,6 +53,11 @@ pub enum SourceError {
     },
 }
 
+/// A choice as the scenario spells it: `Rigid` is `rigid`.
+pub fn word(choice: impl std::fmt::Debug) -> String {
+    format!("{choice:?}").to_lowercase()
+}
+
 /// Names of the built-in scenarios.
 pub fn names() -> impl Iterator<Item = &'static str> {
     BUILT_IN.into_iter().map(|(name, _)| name)
@@ -112,7 +117,7 @@ mod tests {
     fn what_does_not_exist_is_refused_with_what_does() {
         assert_eq!(
             Source::find("papre").unwrap_err().to_string(),
-            "unknown scenario \"papre\"; the built-in ones are: paper, arm, elastic, expected, face, conveyor, insert, screws, peg, car_body; \
+            "unknown scenario \"papre\"; the built-in ones are: paper, arm, elastic, elastic_arm, expected, face, conveyor, insert, screws, peg, car_body; \
              a path works too: it contains a / or ends with .toml"
         );
         let missing = Source::find("missing.toml").unwrap_err().to_string();

@@ -1,6 +1,7 @@
 //! Laws side by side: a table for people and rows for programs.
 
 use crate::metrics::Metrics;
+use crate::tuning::Gains;
 use serde::Serialize;
 use std::fmt::{Display, Formatter, Result};
 
@@ -13,12 +14,16 @@ pub struct Row {
     pub kinematics: String,
     /// Control law: `pd`, `proposed`, ...
     pub law: String,
+    /// With which gains.
+    pub gains: Gains,
     /// Runs that the figures are taken from.
     pub runs: usize,
     /// Mean of each figure.
     pub mean: Metrics,
     /// Worst of each figure; of one run, the same.
     pub worst: Metrics,
+    /// Half the width of the mean's 95 % confidence interval; of one run, no number.
+    pub confidence: Metrics,
 }
 
 impl Row {
@@ -28,9 +33,11 @@ impl Row {
             robot: robot.to_owned(),
             kinematics: kinematics.to_owned(),
             law: law.to_owned(),
+            gains: Gains::Default,
             runs: 1,
             mean: metrics,
             worst: metrics,
+            confidence: Metrics::from_values([f64::NAN; Metrics::COUNT]),
         }
     }
 }
@@ -39,41 +46,71 @@ impl Row {
 #[derive(Clone, Copy, Debug)]
 pub struct Table<'a>(pub &'a [Row]);
 
-/// Header, factor from the SI unit to the header's, and decimals of each figure in [`Metrics::values`].
-const FIGURES: [(&str, f64, usize); 7] = [
-    ("peak N", 1.0, 1),
-    ("set10 ms", 1e3, 0),
-    ("set2 ms", 1e3, 0),
-    ("IAE N s", 1.0, 3),
-    ("steady error N", 1.0, 3),
-    ("orientation max mrad", 1e3, 2),
-    ("end mrad", 1e3, 3),
+/// The other figures: [`Table`] and this one together show all.
+#[derive(Clone, Copy, Debug)]
+pub struct MoreFigures<'a>(pub &'a [Row]);
+
+/// Header, factor from the SI unit to the header's, decimals, and which of [`Metrics`].
+type Figure = (&'static str, f64, usize, fn(&Metrics) -> f64);
+
+const FIGURES: [Figure; 7] = [
+    ("peak N", 1.0, 1, |m| m.peak_n),
+    ("set10 ms", 1e3, 0, |m| m.settling_10_s),
+    ("set2 ms", 1e3, 0, |m| m.settling_2_s),
+    ("IAE N s", 1.0, 3, |m| m.iae_n_s),
+    ("steady error N", 1.0, 3, |m| m.steady_error_n),
+    ("orientation max mrad", 1e3, 2, |m| m.orientation_max_rad),
+    ("end mrad", 1e3, 3, |m| m.orientation_end_rad),
+];
+
+const MORE: [Figure; 9] = [
+    ("overshoot %", 1e2, 0, |m| m.overshoot_ratio),
+    ("set5 ms", 1e3, 0, |m| m.settling_5_s),
+    ("impulse above N s", 1.0, 3, |m| m.impulse_above_n_s),
+    ("steady sigma N", 1.0, 3, |m| m.steady_sigma_n),
+    ("ringing ratio", 1.0, 2, |m| m.ringing_ratio),
+    ("rebounds", 1.0, 1, |m| m.rebounds),
+    ("detection ms", 1e3, 1, |m| m.detection_delay_s),
+    ("impact N", 1.0, 1, |m| m.impact_peak_n),
+    ("energy mJ", 1e3, 3, |m| m.energy_j),
 ];
 
 impl Display for Table<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let names = |name: fn(&Row) -> &str, header| {
-            let cells = self.0.iter().map(|row| name(row).to_owned());
-            Column::new(header, cells.collect(), Align::Left)
-        };
-        let mut columns = vec![
-            names(|row| &row.robot, "robot"),
-            names(|row| &row.kinematics, "kinematics"),
-            names(|row| &row.law, "law"),
-        ];
-        for (i, (header, factor, decimals)) in FIGURES.into_iter().enumerate() {
-            let number = |metrics: &Metrics| fixed(metrics.values()[i] * factor, decimals);
-            let means: Vec<_> = self.0.iter().map(|row| number(&row.mean)).collect();
-            let worsts: Vec<_> = self
-                .0
-                .iter()
-                .map(|row| (row.runs > 1).then(|| format!("({})", number(&row.worst))))
-                .collect();
-            let cells = join(&means, &worsts);
-            columns.push(Column::new(header, cells, Align::Right));
-        }
-        print_columns(f, &columns, self.0.len())
+        write_figures(f, self.0, &FIGURES)
     }
+}
+
+impl Display for MoreFigures<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write_figures(f, self.0, &MORE)
+    }
+}
+
+fn write_figures(f: &mut Formatter<'_>, rows: &[Row], figures: &[Figure]) -> Result {
+    let names = |name: fn(&Row) -> &str, header| {
+        let cells = rows.iter().map(|row| name(row).to_owned());
+        Column::new(header, cells.collect(), Align::Left)
+    };
+    let mut columns = vec![
+        names(|row| &row.robot, "robot"),
+        names(|row| &row.kinematics, "kinematics"),
+        names(|row| &row.law, "law"),
+    ];
+    if rows.iter().any(|row| row.gains != Gains::Default) {
+        columns.push(names(|row| row.gains.word(), "gains"));
+    }
+    for &(header, factor, decimals, figure) in figures {
+        let number = |metrics: &Metrics| fixed(figure(metrics) * factor, decimals);
+        let means: Vec<_> = rows.iter().map(|row| number(&row.mean)).collect();
+        let worsts: Vec<_> = rows
+            .iter()
+            .map(|row| (row.runs > 1).then(|| format!("({})", number(&row.worst))))
+            .collect();
+        let cells = join(&means, &worsts);
+        columns.push(Column::new(header, cells, Align::Right));
+    }
+    print_columns(f, &columns, rows.len())
 }
 
 /// Header and `rows` rows of `columns`.
@@ -145,8 +182,21 @@ mod tests {
     const PD_WORST: [f64; 7] = [23.04, 0.1389, 0.2123, 0.6511, -0.0112, 5.5111e-3, 0.3121e-3];
     const PROPOSED: [f64; 7] = [9.98, 0.0489, 0.0761, 0.2203, -0.0004, 4.1e-3, 10e-6];
 
+    fn metrics([peak, set10, set2, iae, steady, turned, end]: [f64; 7]) -> Metrics {
+        Metrics {
+            peak_n: peak,
+            settling_10_s: set10,
+            settling_2_s: set2,
+            iae_n_s: iae,
+            steady_error_n: steady,
+            orientation_max_rad: turned,
+            orientation_end_rad: end,
+            ..Metrics::default()
+        }
+    }
+
     fn row(law: &str, runs: usize, mean: [f64; 7], worst: [f64; 7]) -> Row {
-        let (mean, worst) = (Metrics::from_values(mean), Metrics::from_values(worst));
+        let (mean, worst) = (metrics(mean), metrics(worst));
         Row {
             runs,
             worst,
@@ -196,16 +246,46 @@ rigid  gantry      proposed    10.0        49       76    0.220           0.000 
 
     #[test]
     fn rows_are_objects_with_units_in_their_keys() {
-        let json = serde_json::to_string(&row("pd", 36, PD, PD_WORST)).unwrap();
+        let json = serde_json::to_value(row("pd", 36, PD, PD_WORST)).unwrap();
+        let keys: Vec<_> = json.as_object().unwrap().keys().cloned().collect();
         assert_eq!(
-            json,
-            concat!(
-                r#"{"robot":"rigid","kinematics":"gantry","law":"pd","runs":36,"#,
-                r#""mean":{"peak_n":22.13,"settling_10_s":0.1314,"settling_2_s":0.1961,"iae_n_s":0.6183,"#,
-                r#""steady_error_n":-0.0021,"orientation_max_rad":0.0053849,"orientation_end_rad":0.0002512},"#,
-                r#""worst":{"peak_n":23.04,"settling_10_s":0.1389,"settling_2_s":0.2123,"iae_n_s":0.6511,"#,
-                r#""steady_error_n":-0.0112,"orientation_max_rad":0.0055111,"orientation_end_rad":0.0003121}}"#
-            )
+            keys,
+            [
+                "confidence",
+                "gains",
+                "kinematics",
+                "law",
+                "mean",
+                "robot",
+                "runs",
+                "worst"
+            ]
+        );
+        assert_eq!(json["mean"]["settling_10_s"], 0.1314);
+        assert_eq!(json["worst"]["iae_n_s"], 0.6511);
+        for kind in ["mean", "worst", "confidence"] {
+            assert_eq!(json[kind].as_object().unwrap().len(), Metrics::COUNT);
+        }
+    }
+
+    #[test]
+    fn tuned_rows_are_told_apart_and_the_other_figures_have_their_table() {
+        let tuned = Row {
+            gains: Gains::Tuned,
+            ..row("pd", 1, PD, PD)
+        };
+        let table = MoreFigures(&[row("pd", 1, PD, PD), tuned]).to_string();
+        assert!(
+            table.starts_with("robot  kinematics  law  gains    overshoot %  set5 ms  impulse above N s"),
+            "{table}"
+        );
+        assert!(
+            table
+                .lines()
+                .nth(2)
+                .unwrap()
+                .starts_with("rigid  gantry      pd   tuned"),
+            "{table}"
         );
     }
 

@@ -24,8 +24,8 @@ fn touchdown(arguments: &str) -> (i32, String, String) {
 fn what_does_not_exist_is_refused_by_name() {
     for (arguments, error) in [
         (
-            "compare --laws pd,fzi",
-            "controller.law = \"fzi\" is not available yet; choose \"pd\" or ",
+            "compare --set timing.mode=realtime",
+            "timing.mode = \"realtime\" is not available yet; choose \"lockstep\"",
         ),
         ("compare --laws pid", "controller.law is the unknown word \"pid\""),
         (
@@ -80,11 +80,13 @@ fn a_comparison_is_one_object_with_units_in_its_keys() {
     assert_eq!(report["configuration_hash"].as_str().unwrap().len(), 16);
     let rows = report["rows"].as_array().unwrap();
     assert_eq!(rows.len(), 1);
-    assert_keys(&rows[0], "robot kinematics law runs mean worst");
+    assert_keys(&rows[0], "robot kinematics law gains runs mean worst confidence");
     for kind in ["mean", "worst"] {
         assert_keys(
             &rows[0][kind],
-            "peak_n settling_10_s settling_2_s iae_n_s steady_error_n orientation_max_rad orientation_end_rad",
+            "peak_n overshoot_ratio settling_10_s settling_5_s settling_2_s iae_n_s impulse_above_n_s steady_error_n \
+             steady_sigma_n ringing_ratio rebounds orientation_max_rad orientation_end_rad detection_delay_s \
+             impact_peak_n energy_j",
         );
         assert!(rows[0][kind]["peak_n"].as_f64().unwrap() > 10.0);
     }
@@ -105,7 +107,10 @@ fn runs_without_contact_fail_by_name() {
     let (code, stdout, _) = touchdown(&format!("{arguments} --json"));
     let report: Value = serde_json::from_str(&stdout).unwrap();
     assert_eq!(code, 1);
-    assert_keys(&report["failures"][1], "robot kinematics law phase seed reason");
+    assert_keys(
+        &report["failures"][1],
+        "robot kinematics law gains phase seed reason",
+    );
 }
 
 #[test]

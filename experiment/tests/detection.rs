@@ -97,3 +97,35 @@ fn a_contact_is_detected_after_2_3_ms_and_the_sensors_delay() {
         );
     }
 }
+
+/// A short sample of `touchdown bench detection`: a quarter of an hour of noise (where one false contact an hour is accepted) and
+/// 2 minutes of nothing but hard accelerations, rigid and elastic.
+#[test]
+fn false_alarms_are_rare() {
+    for name in ["paper", "elastic"] {
+        let scenario = Source::find(name).unwrap().scenario(&[]).unwrap();
+        let hard = experiment::detection::accelerations(&scenario, 0.03, || ());
+        assert!(hard.hours >= 0.03);
+        assert_eq!((hard.threshold, hard.both, hard.collisions), (0, 0, 0), "{name}");
+    }
+    let noise = experiment::detection::noise(&Scenario::default(), 0.25, || ());
+    assert!(noise.both <= 3 && noise.threshold <= noise.both, "{noise:?}");
+}
+
+/// PLANT.md section 7: at 1 mm/s 20 ms with the threshold and 12 ms with a cumulative sum; at 20 mm/s it makes no difference.
+#[test]
+fn the_cumulative_sum_finds_slow_contacts_earlier() {
+    let delays = experiment::detection::delays(&Scenario::default(), &[0.001, 0.020], 8, || ());
+    let means: Vec<_> = delays
+        .iter()
+        .map(|delay| [delay.threshold_s.unwrap()[0], delay.both_s.unwrap()[0]])
+        .collect();
+    assert!(
+        (18e-3..27e-3).contains(&means[0][0]) && (12e-3..16e-3).contains(&means[0][1]),
+        "{means:?}"
+    );
+    assert!(
+        (means[1][0] - means[1][1]).abs() < 0.2e-3 && means[1][1] < 2.8e-3,
+        "{means:?}"
+    );
+}

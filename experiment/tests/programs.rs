@@ -86,8 +86,9 @@ fn what_goes_wrong_ends_its_step_with_its_name() {
         &["timing.duration_s=5.5", "controller.settled_band_n=1e-3"],
     );
     assert_eq!(ends(&run, "press")[0], "time", "{}", Steps(&run.results));
-    let (_, run) = run_until_end("screws", &[short, "task.max_contact_force_n=12"]);
-    assert_eq!(ends(&run, "press")[0], "tolerance", "{}", Steps(&run.results));
+    // Less than the impact brings: that stops the robot, whatever follows a failure.
+    let (_, run) = run_until_end("screws", &[short, "task.max_contact_force_n=16"]);
+    assert_eq!(run.last.fault, Fault::ForceLimit, "{}", Steps(&run.results));
     // The plate is higher than the move leads: met with 50 mm/s, left with 30 N at most after the impact.
     let collides = [short, "object.height_m=0.018", "program.on_failure=fault"];
     let (_, run) = run_until_end("screws", &collides);

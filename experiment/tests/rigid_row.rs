@@ -3,6 +3,7 @@
 
 use experiment::compare::{Comparison, Matrix};
 use experiment::scenarios::Source;
+use experiment::tuning::{Gains, Tuned};
 use node::scenario::Scenario;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -11,6 +12,7 @@ fn matrix(phases: usize, seeds: usize) -> Matrix {
         robots: vec!["rigid".to_owned()],
         kinematics: vec!["gantry".to_owned()],
         laws: vec!["pd".to_owned(), "proposed".to_owned()],
+        gains: vec![Gains::Default],
         phases,
         seeds,
     }
@@ -22,7 +24,7 @@ fn paper() -> Scenario {
 
 #[test]
 fn the_proposed_law_keeps_its_bounds_and_pd_is_tuned_fairly() {
-    let comparison = matrix(8, 3).run(&paper(), || ()).unwrap();
+    let comparison = matrix(8, 3).run(&paper(), &Tuned::default(), || ()).unwrap();
     assert_eq!(comparison.failures, []);
     let [pd, proposed] = comparison.rows.as_slice() else {
         panic!("{:?}", comparison.rows)
@@ -47,7 +49,7 @@ fn threads_do_not_change_a_bit() {
             .build()
             .unwrap();
         let comparison = pool.install(|| {
-            matrix.run(&scenario, || {
+            matrix.run(&scenario, &Tuned::default(), || {
                 done.fetch_add(1, Ordering::Relaxed);
             })
         });

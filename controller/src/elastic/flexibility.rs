@@ -15,6 +15,9 @@ use spatial::kinematics::{Axes, join};
 /// The object's stiffness over the sensor's at the tcp: pinned, but for what a digit is worth.
 const PINNED: f64 = 1e3;
 
+/// A mode with less of a share takes no part.
+const UNSEEN: f64 = 1e-9;
+
 /// One mode as motors and sensor see it, in a coordinate that is what it adds to the deflection, m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Mode {
@@ -91,8 +94,15 @@ impl Flexibility {
         Some(Self {
             modes: std::array::from_fn(|slot| {
                 let i = kept[slot];
+                let frequency = libm::sqrt(squares[i]);
+                if libm::fabs(share(i)) < UNSEEN {
+                    return Mode {
+                        frequency,
+                        ..Mode::default()
+                    };
+                }
                 Mode {
-                    frequency: libm::sqrt(squares[i]),
+                    frequency,
                     push: push(i) * output(i),
                     pull: shapes.fixed_view::<6, 1>(0, i).component_mul(&per_motor) / output(i),
                     force: force(i) / output(i),

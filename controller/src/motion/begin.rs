@@ -16,9 +16,6 @@ use node::scenario;
 use spatial::kinematics::Axes;
 use spatial::{Compliance, TICK_S};
 
-/// How long the force may be beyond its limit in contact: as long as a bounce, s.
-const OVERLOAD_S: f64 = 0.03;
-
 impl Motion {
     /// Move down along the normal until the object is met, then act along `selection`.
     pub(crate) fn begin_approach(
@@ -108,7 +105,7 @@ impl Motion {
             self.shape,
             step.pitch_m,
             step.radius_m,
-            step.speed_m_per_s,
+            step.speed_m_per_s.min(settings.fastest_m_per_s()),
             tick,
         ));
     }
@@ -118,13 +115,25 @@ impl Motion {
         self.release(settings, 0.0, tick);
         self.contact = None;
         let from = self.base(0.0).fixed_rows::<3>(0).into_owned();
-        self.travel = Some(Travel::new(self.shape, position + self.sag - from, speed, tick));
+        let way = position + self.sag - from;
+        self.travel = Some(Travel::new(
+            self.shape,
+            way,
+            speed.min(settings.fastest_m_per_s()),
+            tick,
+        ));
     }
 
     /// Leave the object upwards, by `distance_m` (m).
     pub(crate) fn begin_retraction(&mut self, settings: &Settings, distance_m: f64, speed: f64, tick: i64) {
         self.release(settings, 0.0, tick);
-        self.travel = Some(Travel::new(self.shape, Vector3::z() * distance_m, speed, tick));
+        let way = Vector3::z() * distance_m;
+        self.travel = Some(Travel::new(
+            self.shape,
+            way,
+            speed.min(settings.fastest_m_per_s()),
+            tick,
+        ));
     }
 
     /// The retraction is over: nothing is touched.
@@ -164,15 +173,8 @@ impl Motion {
     /// Take over parameters that act in contact.
     pub(crate) fn retune(&mut self, settings: &Settings) {
         self.force_control.retune(&settings.controller);
-        let threshold_n = settings.controller.detection_threshold_n;
-        self.detector.set_threshold(threshold_n.max(self.above_noise_n));
-    }
-
-    /// Whether the force has been beyond `limit_n` (N) for longer than any bounce; asked once a cycle.
-    pub(crate) fn overloaded(&mut self, settings: &Settings, limit_n: f64) -> bool {
-        let beyond = limit_n > 0.0 && self.pressing().is_some() && libm::fabs(self.force_n()) > limit_n;
-        self.overloaded_cycles = if beyond { self.overloaded_cycles + 1 } else { 0 };
-        self.overloaded_cycles as f64 * settings.period_s() > OVERLOAD_S
+        self.detector
+            .set_threshold(settings.controller.detection_threshold_n);
     }
 
     /// Let the robot catch up for `ticks`.
@@ -206,6 +208,9 @@ impl Motion {
                 self.detector
                     .follow(self.force_n() / mass_kg, settings.period_ticks);
             }
+        }
+        if self.contact.is_some() || self.newest.normal_force_n > self.detector.threshold_n() {
+            self.leaving = Some(self.newest.sample.tick);
         }
         self.leave_off(settings, share, true, tick);
         if let Some(contact) = &mut self.contact {

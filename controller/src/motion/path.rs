@@ -33,7 +33,10 @@ impl Path {
         tick: i64,
     ) -> Self {
         let (task, expected) = (&settings.task, &settings.controller.expected);
-        let allowed = |speed: f64| impact.map_or(speed, |impact| impact.allowed_speed_m_per_s(speed));
+        let allowed = |speed: f64| {
+            let speed = speed.min(settings.fastest_m_per_s());
+            impact.map_or(speed, |impact| impact.allowed_speed_m_per_s(speed))
+        };
         let speed = allowed(task.approach_speed_m_per_s);
         let reached = tick + settings.lead() * settings.period_ticks;
         let object = expectation

@@ -12,7 +12,7 @@ use crate::expectation::Expectation;
 use crate::shaping::Point;
 use nalgebra::Vector3;
 use spatial::TICK_S;
-use spatial::kinematics::join;
+use spatial::kinematics::{Axes, join};
 
 impl Motion {
     /// The lowest height of the hanging tcp at `tick`, m: where it presses at the end of the search.
@@ -77,13 +77,21 @@ impl Motion {
     }
 
     /// What the force laws ask for at the ticks `reached`.
-    pub(super) fn demand(&mut self, settings: &Settings, reached: &[i64; PREVIEW]) -> [Dofs; PREVIEW] {
+    /// `actual` are the newest encoder values.
+    pub(super) fn demand(
+        &mut self,
+        settings: &Settings,
+        reached: &[i64; PREVIEW],
+        actual: &Axes,
+    ) -> [Dofs; PREVIEW] {
         let Plan {
             coordinates,
             commanded,
             ..
         } = self.plan;
         let period_s = settings.period_s();
+        let r_from_s = settings.kinematics.forward(actual);
+        let actual = self.frame.coordinates(&self.posture.hanging_tcp(&r_from_s));
         let desired_wrench = join(settings.desired.force, settings.desired.moment);
         let (compliance, displacement) = (self.compliance, self.desired_displacement);
         self.force_control.demand(
@@ -96,6 +104,7 @@ impl Motion {
                 commanded: commanded[dof],
                 desired: coordinates[0][dof],
                 desired_rate: (coordinates[1][dof] - coordinates[0][dof]) / period_s,
+                actual: actual[dof],
                 reached_s: reached.map(|tick| tick as f64 * TICK_S),
                 period_s,
             },

@@ -77,12 +77,14 @@ pub(super) struct Contact {
     pub(super) released: bool,
     /// Whether the tool has lost the object.
     pub(super) lost: bool,
+    /// Whether the newest sample shows less force than a contact: the tool may be in the air.
+    pub(super) airborne: bool,
     /// Tick of the newest sample in contact.
     touched_tick: i64,
 }
 
 /// How long the tool stays in the air after an impact at most (PLANT.md section 7: some 5 ms).
-const LONGEST_BOUNCE_TICKS: i64 = 30;
+pub(super) const LONGEST_BOUNCE_TICKS: i64 = 30;
 
 impl Contact {
     /// Detected by what was `sensed` in the cycle at `cycle_tick`, with the robot at `met` on its way when that can act.
@@ -95,6 +97,7 @@ impl Contact {
             tilt_time_s: settings.controller.tilt_time_s,
             released: false,
             lost: false,
+            airborne: false,
             touched_tick: sensed.sample.tick,
         }
     }
@@ -111,7 +114,9 @@ impl Contact {
         } else {
             split(&sensed.wrench).0.norm()
         };
-        if force_n >= least_n {
+        self.airborne = force_n < least_n;
+        // What the cumulative sum has detected is a contact, however small.
+        if !self.airborne || sensed.sample.tick == self.sample_tick {
             self.touched_tick = sensed.sample.tick;
         }
         match sensed.sample.tick - self.touched_tick {

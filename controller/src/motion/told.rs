@@ -84,6 +84,16 @@ impl Motion {
         self.detector.threshold_n()
     }
 
+    /// The force that the recent accelerations can cause, N.
+    pub(crate) fn raised_n(&self) -> f64 {
+        self.detector.raised_n()
+    }
+
+    /// The tcp of the hanging tool in s, m.
+    pub(crate) fn hanging_in_s(&self) -> Vector3<f64> {
+        self.posture.hanging_tcp(&Pose::identity()).translation.vector
+    }
+
     pub(crate) fn saturated(&self) -> bool {
         self.newest.sample.flags.saturated
     }
@@ -96,12 +106,12 @@ impl Motion {
             .unwrap_or_default()
     }
 
-    /// Whether the allowed force of the impact slows the approach.
+    /// Whether the allowed force of the impact, or the bound of command minus actual, slows the approach.
     pub(crate) fn slowed(&self, settings: &Settings) -> bool {
         let requested = settings.task.approach_speed_m_per_s;
-        self.impact
-            .as_ref()
-            .is_some_and(|impact| impact.allowed_speed_m_per_s(requested) < requested)
+        let impact = self.impact.as_ref();
+        settings.fastest_m_per_s() < requested
+            || impact.is_some_and(|impact| impact.allowed_speed_m_per_s(requested) < requested)
     }
 
     /// Whether a law acts in contact.
@@ -116,6 +126,18 @@ impl Motion {
             .is_none_or(|(fade, left)| fade.at((tick - left) as f64 * TICK_S) == Dofs::zeros());
         let still = self.dynamics.reached().velocity.amax() < STILL_RAD_PER_S;
         self.contact.is_none() && faded && still && self.way_ended(tick)
+    }
+
+    /// Whether the tool touches what it may: a law acts, or the tool has not left yet what it was pressed on.
+    pub(crate) fn touches(&self) -> bool {
+        self.presses() || self.leaving.is_some()
+    }
+
+    /// The newest sample shows that the tool has not left yet.
+    pub(crate) fn has_not_left(&mut self) {
+        if let Some(last) = &mut self.leaving {
+            *last = self.newest.sample.tick;
+        }
     }
 
     pub(crate) fn in_contact(&self) -> bool {

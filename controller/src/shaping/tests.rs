@@ -26,7 +26,7 @@ fn the_modes_of_the_tool_on_the_sensor() {
     for (found, expected) in found.iter().zip(expected) {
         assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
     }
-    assert!(found[6..].iter().all(|hz| hz.is_infinite()));
+    assert!(found[6..].iter().all(|&hz| hz > 1e4));
 }
 
 /// PLANT.md section 2: the decoupled variant of the arm, with the sensor, motors locked.

@@ -50,7 +50,7 @@ fn each_phase_begins_in_its_cycle() {
 /// A force that is there before the approach is none of its contacts, and counts once the approach begins.
 #[test]
 fn only_the_approach_meets_an_object() {
-    let found = phases(&weightless(), |tick| if tick < 230 { 0.0 } else { 5.0 });
+    let found = phases(&weightless(), |tick| if tick < 230 { 0.0 } else { 3.0 });
     assert_eq!(
         found,
         [

@@ -1,6 +1,6 @@
 //! `touchdown bench`.
 
-use super::{ScenarioArgs, configuration_hash, print, print_json};
+use super::{ScenarioArgs, configuration_hash, detection, print, print_json};
 use anyhow::Result;
 use crossbeam::channel::Receiver;
 use experiment::in_process::{self, Part};
@@ -15,11 +15,12 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
-/// Measure how fast this machine is
+/// Measure how fast this machine is, and how well contacts are detected
 #[derive(clap::Subcommand)]
 pub(crate) enum Bench {
     Simulation(SimulationArgs),
     Network(NetworkArgs),
+    Detection(detection::Args),
 }
 
 /// How many seconds are simulated, in process, in a second of one core
@@ -55,6 +56,7 @@ pub(crate) fn run(bench: &Bench) -> Result<ExitCode> {
     match bench {
         Bench::Simulation(args) => simulation(args),
         Bench::Network(args) => network(args),
+        Bench::Detection(args) => detection::run(args),
     }
 }
 

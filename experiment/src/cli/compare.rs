@@ -1,12 +1,14 @@
 //! `touchdown compare`.
 
-use super::{FAILED, ScenarioArgs, complain, configuration_hash, distinct, print, print_json, word};
+use super::{
+    FAILED, ScenarioArgs, complain, configuration_hash, distinct, print, print_json, progress, threads, word,
+};
 use anyhow::Result;
 use experiment::compare::{Comparison, Matrix};
-use experiment::table::Table;
-use indicatif::{ProgressBar, ProgressStyle};
+use experiment::table::{MoreFigures, Table};
+use experiment::tuning::{Gains, Tuned};
 use serde::Serialize;
-use std::io::{IsTerminal, stderr};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Compare laws over contact phases and seeds, in process and on all cores
@@ -20,15 +22,26 @@ pub(crate) struct Args {
     /// Kinematics: gantry, arm [default: the scenario's]
     #[arg(long, value_delimiter = ',')]
     kinematics: Vec<String>,
-    /// Control laws: pd, pd-reset, literal, proposed, impedance
+    /// Control laws: pd, pd-reset, literal, proposed, impedance, ros2, fzi
     #[arg(long, value_delimiter = ',', default_value = "pd,proposed")]
     laws: Vec<String>,
+    /// Gains: the scenario's own (default), tuned ones; a row for each
+    #[arg(long, value_delimiter = ',', default_value = "default", value_parser = ["default", "tuned"])]
+    gains: Vec<String>,
+    /// File of tuned gains, written by touchdown tune [default: those that come with the program]
+    #[arg(long, value_name = "FILE")]
+    tuned: Option<PathBuf>,
     /// Contact phases relative to the command period, spread evenly
     #[arg(long, default_value_t = 12, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     phases: u16,
     /// Seeds for each contact phase, from timing.seed on
     #[arg(long, default_value_t = 3, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     seeds: u16,
+    /// Show all figures: a second table
+    #[arg(long)]
+    all_figures: bool,
+    #[command(flatten)]
+    threads: super::Threads,
     /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
@@ -49,16 +62,25 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     distinct("--robots", &args.robots)?;
     distinct("--kinematics", &args.kinematics)?;
     distinct("--laws", &args.laws)?;
+    distinct("--gains", &args.gains)?;
     let (source, scenario) = args.scenario.read()?;
+    let gains = args.gains.iter().map(|word| match word.as_str() {
+        "tuned" => Gains::Tuned,
+        _ => Gains::Default,
+    });
     let matrix = Matrix {
         robots: or_own(&args.robots, word(scenario.robot.gears)),
         kinematics: or_own(&args.kinematics, word(scenario.robot.kinematics)),
         laws: args.laws.clone(),
+        gains: gains.collect(),
         phases: args.phases.into(),
         seeds: args.seeds.into(),
     };
+    let tuned = tuned(args.tuned.as_deref())?;
     let progress = progress(matrix.runs());
-    let comparison = matrix.run(&scenario, || progress.inc(1))?;
+    let comparison = threads(&args.threads, || {
+        matrix.run(&scenario, &tuned, || progress.inc(1))
+    })??;
     progress.finish_and_clear();
     if args.json {
         print_json(&Report {
@@ -71,6 +93,9 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
         })?;
     } else if !comparison.rows.is_empty() {
         print(Table(&comparison.rows))?;
+        if args.all_figures {
+            print(format_args!("\n{}", MoreFigures(&comparison.rows)))?;
+        }
         print(caption(args))?;
     }
     comparison.failures.iter().for_each(complain);
@@ -100,11 +125,10 @@ fn caption(args: &Args) -> String {
     }
 }
 
-/// On a terminal, and nowhere else.
-fn progress(runs: usize) -> ProgressBar {
-    if !stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} runs, {eta} left");
-    ProgressBar::new(runs as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+/// The gains of `file`, or those that come with the program.
+pub(crate) fn tuned(file: Option<&std::path::Path>) -> Result<Tuned> {
+    Ok(match file {
+        Some(file) => Tuned::load(file)?,
+        None => Tuned::built_in()?,
+    })
 }

@@ -3,23 +3,30 @@
 mod bench;
 mod calibrate;
 mod compare;
+mod detection;
 mod doctor;
 mod free_motion;
 mod impact;
 mod run;
+mod sweep;
 mod task;
+mod tune;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use controller::impact::ImpactError;
 use experiment::impact::LibraryError;
 use experiment::launch::LaunchError;
+pub(crate) use experiment::scenarios::word;
 use experiment::scenarios::{Source, SourceError};
+use experiment::sweep::SweepError;
+use experiment::tuning::TuningError;
 use impact::Unanswerable;
+use indicatif::{ProgressBar, ProgressStyle};
 use node::scenario::{Scenario, ScenarioError};
 use serde::Serialize;
 use std::fmt::Display;
-use std::io::{ErrorKind, Write, stderr, stdout};
+use std::io::{ErrorKind, IsTerminal, Write, stderr, stdout};
 use std::process::ExitCode;
 
 /// The experiment, or what was checked, failed.
@@ -52,17 +59,14 @@ enum Command {
     Run(run::Args),
     Task(task::Args),
     Compare(compare::Args),
+    Tune(tune::Args),
+    Sweep(sweep::Args),
     Calibrate(calibrate::Args),
     Impact(Box<impact::Args>),
     FreeMotion(free_motion::Args),
     #[command(subcommand)]
     Bench(bench::Bench),
     Doctor(doctor::Args),
-}
-
-/// A choice as the scenario spells it: `Rigid` is `rigid`.
-pub(crate) fn word(choice: impl std::fmt::Debug) -> String {
-    format!("{choice:?}").to_lowercase()
 }
 
 /// A scenario as every subcommand takes it.
@@ -84,6 +88,32 @@ impl ScenarioArgs {
     }
 }
 
+/// On how many threads to run.
+#[derive(clap::Args)]
+struct Threads {
+    /// Threads to run on; the result is the same [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+/// Run `work` on as many threads as were asked for.
+fn threads<T: Send>(threads: &Threads, work: impl FnOnce() -> T + Send) -> Result<T> {
+    let count = threads.threads.map_or(0, usize::from);
+    Ok(rayon::ThreadPoolBuilder::new()
+        .num_threads(count)
+        .build()?
+        .install(work))
+}
+
+/// A bar on a terminal, and nothing elsewhere.
+fn progress(runs: usize) -> ProgressBar {
+    if !stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} runs, {eta} left");
+    ProgressBar::new(runs as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
 /// The program.
 pub(crate) fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -92,6 +122,8 @@ pub(crate) fn main() -> ExitCode {
         Command::Run(args) => run::run(args),
         Command::Task(args) => task::run(args),
         Command::Compare(args) => compare::run(args),
+        Command::Tune(args) => tune::run(args),
+        Command::Sweep(args) => sweep::run(args),
         Command::Calibrate(args) => calibrate::run(args),
         Command::Impact(args) => impact::run(args),
         Command::FreeMotion(args) => free_motion::run(args),
@@ -114,6 +146,8 @@ pub(crate) fn main() -> ExitCode {
                 || cause.is::<Unanswerable>()
                 || cause.is::<LibraryError>()
                 || cause.is::<ImpactError>()
+                || cause.is::<TuningError>()
+                || cause.is::<SweepError>()
         };
         let wrong_usage = error.chain().any(configuration);
         ExitCode::from(if wrong_usage { WRONG_USAGE } else { FAILED })

@@ -27,8 +27,8 @@ use std::time::Duration;
 pub(crate) struct Args {
     #[command(flatten)]
     scenario: ScenarioArgs,
-    /// Control laws, one run each: pd, pd-reset, literal, proposed, impedance [default: pd,proposed; of a program
-    /// proposed]
+    /// Control laws, one run each: pd, pd-reset, literal, proposed, impedance, ros2, fzi [default: pd,proposed; of a
+    /// program proposed]
     #[arg(long, value_delimiter = ',')]
     laws: Vec<String>,
     /// Directory for figure and data

@@ -1,6 +1,6 @@
 //! What of a run is kept for its figures.
 
-use super::{Metrics, NoFigures, STEADY_S, WINDOW_S};
+use super::{EARLY_S, Metrics, NoFigures, REBOUND_S, STEADY_S, WINDOW_S};
 use crate::in_process::Tick;
 use crate::transcript::{self, Entry};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -30,6 +30,8 @@ pub struct Recording {
     with_moments: bool,
     first_contact_s: Option<f64>,
     first_fault: Option<FirstFault>,
+    /// Tick of the sample that showed the contact to the controller.
+    detected_tick: Option<i64>,
     ticks: Vec<Sample>,
 }
 
@@ -49,6 +51,10 @@ struct Sample {
     /// Of the real tcp, in r.
     rotation: UnitQuaternion<f64>,
     contact_force_n: f64,
+    /// Largest within the last tick.
+    contact_force_peak_n: f64,
+    /// Done on the object since start.
+    contact_work_j: f64,
 }
 
 impl Recording {
@@ -64,6 +70,7 @@ impl Recording {
             with_moments: scenario.task.force_controlled.dofs()[3..].contains(&true),
             first_contact_s: None,
             first_fault: None,
+            detected_tick: None,
             ticks: Vec::new(),
         }
     }
@@ -89,6 +96,8 @@ impl Recording {
             deflection: truth.tcp_deflection,
             rotation: truth.tcp_pose.rotation,
             contact_force_n: truth.contact_force.z,
+            contact_force_peak_n: truth.contact_force_peak_n,
+            contact_work_j: truth.contact_work_j,
         });
     }
 
@@ -207,12 +216,32 @@ impl Recording {
         let turn = |sample: &Sample| rotation::log(&(sample.rotation * before.inverse()));
         let steady = &ticks[ticks.len() - libm::rint(STEADY_S / TICK_S) as usize..];
         let count = steady.len() as f64;
+        let mean_n = mean_force(steady);
+        let sigma_n = sigma(steady);
+        let early = libm::rint(EARLY_S / TICK_S) as usize;
+        let early_n = sigma(&ticks[early..early + steady.len()]);
+        let peak_n = force.iter().copied().fold(0.0, f64::max);
+        let contact_s = self.first_contact_s?;
+        let before_j = start
+            .checked_sub(1)
+            .map_or(0.0, |tick| self.ticks[tick].contact_work_j);
         Some(Metrics {
-            peak_n: force.iter().copied().fold(0.0, f64::max),
+            peak_n,
+            overshoot_ratio: (peak_n / desired - 1.0).max(0.0),
             settling_10_s: settled(0.10),
+            settling_5_s: settled(0.05),
             settling_2_s: settled(0.02),
             iae_n_s: error.iter().map(|e| e.abs()).sum::<f64>() * TICK_S,
-            steady_error_n: steady.iter().map(|s| s.contact_force_n).sum::<f64>() / count - desired,
+            impulse_above_n_s: error.iter().map(|e| e.max(0.0)).sum::<f64>() * TICK_S,
+            steady_error_n: mean_n - desired,
+            steady_sigma_n: sigma_n,
+            ringing_ratio: if early_n > 0.0 { sigma_n / early_n } else { 0.0 },
+            rebounds: rebounds(ticks),
+            detection_delay_s: self
+                .detected_tick
+                .map_or(f64::NAN, |tick| tick as f64 * TICK_S - contact_s),
+            impact_peak_n: ticks.iter().map(|s| s.contact_force_peak_n).fold(0.0, f64::max),
+            energy_j: ticks.last()?.contact_work_j - before_j,
             orientation_max_rad: ticks.iter().map(|s| turn(s).norm()).fold(0.0, f64::max),
             orientation_end_rad: (steady.iter().map(turn).sum::<Vector3<f64>>() / count).norm(),
         })
@@ -229,6 +258,10 @@ impl Recording {
 
     fn note_controller(&mut self, status: &ControllerStatus) {
         self.note(status.stamp.step, Role::Controller, status.fault);
+        let tick = status.detection.contact_step;
+        if tick >= 0 {
+            self.detected_tick.get_or_insert(tick);
+        }
     }
 
     fn note(&mut self, tick: i64, node: Role, fault: Fault) {
@@ -237,4 +270,28 @@ impl Recording {
             self.first_fault = Some(self.first_fault.map_or(found, |first| first.min(found)));
         }
     }
+}
+
+/// Mean of the true contact force, N.
+fn mean_force(ticks: &[Sample]) -> f64 {
+    ticks.iter().map(|sample| sample.contact_force_n).sum::<f64>() / ticks.len() as f64
+}
+
+/// Its standard deviation, N.
+fn sigma(ticks: &[Sample]) -> f64 {
+    let mean_n = mean_force(ticks);
+    let deviations = ticks.iter().map(|sample| sample.contact_force_n - mean_n);
+    (deviations.map(|deviation| deviation * deviation).sum::<f64>() / ticks.len() as f64).sqrt()
+}
+
+/// How often the tool has been in the air for longer than [`REBOUND_S`] before it met the object again.
+fn rebounds(ticks: &[Sample]) -> f64 {
+    let airborne = ticks.split(|sample| sample.contact_force_n > 0.0);
+    // What follows the last contact is no rebound.
+    let count = airborne
+        .rev()
+        .skip(1)
+        .filter(|ticks| ticks.len() as f64 * TICK_S > REBOUND_S)
+        .count();
+    count as f64
 }

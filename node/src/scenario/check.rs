@@ -57,6 +57,7 @@ impl Scenario {
         self.check_output(&mut conflicts);
         self.check_adaptation(&mut conflicts);
         self.check_object_sensor(&mut conflicts);
+        self.check_protection(&mut conflicts);
         conflicts.0
     }
 

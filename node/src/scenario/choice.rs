@@ -224,4 +224,4 @@ choice!(Profile: "smooth" => Smooth, "trapezoid" => Trapezoid);
 choice!(SensorOutput: "deflection" => Deflection, "force" => Force);
 choice!(ToolShape: "point" => Point, "face" => Face, "peg" => Peg);
 choice!(Law: "pd" => Pd, "pd-reset" => PdReset, "literal" => Literal, "proposed" => Proposed, "impedance" => Impedance,
-    "elastic" => Elastic; planned: "ros2", "fzi");
+    "elastic" => Elastic, "ros2" => Ros2, "fzi" => Fzi);

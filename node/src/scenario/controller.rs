@@ -2,15 +2,15 @@
 
 use super::check::{Conflicts, short};
 use super::{
-    Adaptation, AssumedGears, ElasticLaw, ExpectedFrom, Law, ObjectMotion, Pairing, Scenario, SensorOutput,
-    Shaping, Transform, schema,
+    Adaptation, AssumedGears, Collision, Cusum, ElasticLaw, ExpectedFrom, Law, Limits, ObjectMotion, Pairing,
+    Scenario, SensorOutput, Shaping, Transform, schema,
 };
 
 schema::section! {
     /// The control law and what it assumes of robot, sensor and tool.
-    Controller at "controller" with pd: Pd, proposed: Proposed, impedance: Impedance, expected: Expected,
-        servo: AssumedServo, gears: AssumedGears, elastic: ElasticLaw, shaping: Shaping, adaptation: Adaptation,
-        impact: Impact {
+    Controller at "controller" with pd: Pd, proposed: Proposed, impedance: Impedance, ros2: Ros2, fzi: Fzi,
+        expected: Expected, servo: AssumedServo, gears: AssumedGears, elastic: ElasticLaw, shaping: Shaping,
+        adaptation: Adaptation, impact: Impact, cusum: Cusum, collision: Collision, limits: Limits {
         /// Control law.
         law: Law = Law::Proposed;
         /// Which actual pose is taken to belong to a deflection.
@@ -151,6 +151,45 @@ schema::section! {
         damping_nms_per_rad: f64 = 10.0, in 0.0..=1e7;
         /// Stiffness about an axis.
         stiffness_nm_per_rad: f64 = 0.0, in 0.0..=1e9;
+    }
+}
+
+schema::section! {
+    /// The law `ros2`: that of ROS 2's `admittance_controller`, by default as it is published: low pass and damping of the
+    /// joints as they are declared, the others along and about z and y as its tests set them.
+    Ros2 at "controller.ros2" {
+        /// Weight of a new sample in the filtered force, in each period.
+        filter_gain: f64 = 0.05, in 1e-4..=1.0;
+        /// Virtual mass along an axis.
+        mass_kg: f64 = 7.7, in 1e-3..=1e5;
+        /// Virtual stiffness along an axis, towards the reference.
+        stiffness_n_per_m: f64 = 214.3, in 0.0..=1e9;
+        /// Virtual inertia about an axis.
+        inertia_kg_m2: f64 = 9.9, in 1e-6..=1e5;
+        /// Virtual stiffness about an axis.
+        stiffness_nm_per_rad: f64 = 214.5, in 0.0..=1e9;
+        /// Damping ratio zeta, of which `D = 2 zeta sqrt(M K)`.
+        damping_ratio: f64 = 2.828427, in 0.0..=1e4;
+        /// Damping of the joints' velocities.
+        joint_damping_per_s: f64 = 5.0, in 0.0..=200.0;
+    }
+}
+
+schema::section! {
+    /// The law `fzi`: that of FZI's `cartesian_force_controller`, by default as its example is shipped.
+    Fzi at "controller.fzi" {
+        /// How often it takes a step; in between its set-point is held.
+        rate_hz: f64 = 100.0, in 1.0..=1000.0;
+        /// Step of its virtual mass, whatever the rate.
+        virtual_step_s: f64 = 0.02, in 1e-4..=1.0;
+        /// Proportional gain p along an axis.
+        proportional_translation: f64 = 0.05, in 0.0..=1e3;
+        /// Proportional gain p about an axis.
+        proportional_rotation: f64 = 1.5, in 0.0..=1e4;
+        /// Derivative gain d.
+        derivative_s: f64 = 0.0, in 0.0..=1e2;
+        /// Scale s of the error.
+        error_scale: f64 = 0.5, in 0.0..=1e3;
     }
 }
 

@@ -20,6 +20,7 @@ mod hash;
 mod names;
 mod object_sensor;
 mod program;
+mod protection;
 mod reach;
 mod read;
 mod robot;
@@ -35,11 +36,12 @@ pub use choice::{
     ExpectedFrom, Gears, Kinematics, ObjectMotion, OnFailure, Pairing, Profile, SensorOutput, StepKind,
     TaskKind, TimingMode, ToolShape, Transform,
 };
-pub use controller::{AssumedServo, Controller, Expected, Impact, Impedance, Pd, Proposed};
+pub use controller::{AssumedServo, Controller, Expected, Fzi, Impact, Impedance, Pd, Proposed, Ros2};
 pub use elastic::{AssumedGears, ElasticLaw};
 pub use error::ScenarioError;
 pub use object_sensor::ObjectSensor;
 pub use program::{Program, Step, Steps};
+pub use protection::{Collision, Cusum, Limits};
 pub use robot::Drives;
 pub use schema::{Allowed, Key};
 pub use shaping::Shaping;

@@ -214,6 +214,17 @@ impl Scenario {
                     "program.step[{i}] is a {kind}, but the object is still touched before it; retract first"
                 ),
             );
+            let most = self.task.max_contact_force_n;
+            conflicts.require(
+                !step.kind.keys().contains(&"force_n") || step.force_n < most,
+                &["task.max_contact_force_n", "program.step"],
+                format!(
+                    "program.step[{i}].force_n is {} N, not below task.max_contact_force_n, {} N; press less, or allow \
+                     more",
+                    short(step.force_n),
+                    short(most)
+                ),
+            );
             touching = leaves;
             match step.kind {
                 StepKind::Next => self.check_next(conflicts, i, step),

@@ -27,9 +27,8 @@ schema::section! {
         /// Force that the impact may reach, on top of the controlled one, by the controller's assessment; a faster
         /// approach is slowed. 0: no limit.
         max_impact_force_n: f64 = 0.0, in 0.0..=1e6;
-        /// Force in contact beyond which the controller stops with a fault, once it lasts longer than a bounce. 0: no
-        /// limit.
-        max_contact_force_n: f64 = 0.0, in 0.0..=1e6;
+        /// Force along the normal that the contact may reach: no law presses harder, and what exceeds it stops the robot.
+        max_contact_force_n: f64 = 300.0, in 0.1..=1e6;
         /// Whether the task begins by itself after the standstill; otherwise it waits for `TASK`.
         starts_by_itself: bool = true;
         /// How far a calibration tilts the tool about its tcp.

@@ -59,12 +59,40 @@ wire_enum! {
     }
 }
 
+/// Bit of [`ControllerStatus::limits`]: command minus actual pose is at its bound.
+pub const LIMIT_LEAD: i32 = 1;
+/// Bit: the velocity of a set-point, or the approach is slowed for the allowed force of the impact.
+pub const LIMIT_VELOCITY: i32 = 2;
+/// Bit: acceleration or jerk of a set-point.
+pub const LIMIT_ACCELERATION: i32 = 4;
+/// Bit: the workspace of the tcp.
+pub const LIMIT_WORKSPACE: i32 = 8;
+/// Bit: the end of an axis.
+pub const LIMIT_AXIS: i32 = 16;
+/// Bit: the sensor is at the end of its range.
+pub const LIMIT_DEFLECTION: i32 = 32;
+/// Bit: before contact, the sensor shows a force that it should not.
+pub const LIMIT_DRIFT: i32 = 64;
+/// Bit: a law would press with more than the allowed force.
+pub const LIMIT_FORCE: i32 = 128;
+/// Bit: a lost object is sought no faster than allowed.
+pub const LIMIT_SEEK: i32 = 256;
+/// Bit of the first axis whose force or moment caused a latched `Collision` or `ForceLimit`: force x; the next bits are
+/// those of force y, z, moment x, y, z. [`Detection`] then has its value and its limit, N or Nm.
+pub const LIMIT_COLLISION_FORCE_X: i32 = 512;
+/// The program's step before failed by its time-out.
+pub const LIMIT_STEP_TIME: i32 = 32768;
+/// The program's step before failed at the end of its search.
+pub const LIMIT_STEP_SEARCH: i32 = 65536;
+/// The program's step before failed by its tolerance, or by what it touched on a free move.
+pub const LIMIT_STEP_TOLERANCE: i32 = 131072;
+
 /// The statistic of contact detection and its threshold.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Detection {
-    /// Normal force from the tcp deflection, N.
+    /// Normal force from the tcp deflection, N; after a collision the force (N) or moment (Nm) that was one.
     pub statistic_n: f64,
-    /// Threshold in force now, N.
+    /// Threshold in force now, N; after a collision the limit that was exceeded, N or Nm.
     pub threshold_n: f64,
     /// Tick of the sample that detected contact, -1: none.
     pub contact_step: i64,
@@ -130,8 +158,9 @@ pub struct ControllerStatus {
     /// Amplitude of an observed oscillation, N.
     pub oscillation_n: f64,
     /// Limits that bind, a bit each: 1 lead, 2 velocity (the approach is slowed for the allowed force of the impact),
-    /// 4 acceleration, 8 workspace, 16 axis, 32 deflection, 64 drift; 128, 256, 512: the program's step before failed, by
-    /// time, by the end of its search, by tolerance or force.
+    /// 4 acceleration or jerk, 8 workspace, 16 axis, 32 deflection, 64 drift, 128 force, 256 seek, 512 to 16384: the axis
+    /// that collided; 32768, 65536, 131072: the program's step before failed, by time, by the end of its search, by
+    /// tolerance or a touch on a free move.
     pub limits: i32,
     /// Index of the program step, -1: no program. While calibrating: of the rest that is measured, -1: none.
     pub program_step: i32,

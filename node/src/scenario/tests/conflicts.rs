@@ -294,3 +294,34 @@ fn the_assumed_servos_are_stable() {
         "{message}"
     );
 }
+
+#[test]
+fn protections_leave_room_for_the_task() {
+    assert_eq!(
+        refusal("controller.limits.workspace_minimum_m = [-1, -1, 0.04]", &[]),
+        "a.toml:1:19: task.start_position_m[2] is 0.03 m, not within controller.limits.workspace_minimum_m[2] to \
+         workspace_maximum_m[2], 0.04 to 10 m; start elsewhere or widen the workspace"
+    );
+    assert_eq!(
+        refusal("controller.limits.axis_margin_rad = 0.95", &[]),
+        "a.toml:1:19: task.start_position_m puts axis 0 at -0.1 rad, nearer than controller.limits.axis_margin_rad, \
+         0.95 rad, to an end of -1..=1 rad; start elsewhere or keep less distance\n\
+         a.toml:1:19: task.start_position_m puts axis 2 at 0.18 rad, nearer than controller.limits.axis_margin_rad, \
+         0.95 rad, to an end of -1..=1 rad; start elsewhere or keep less distance"
+    );
+    assert_eq!(
+        refusal("task.max_contact_force_n = 10", &[]),
+        "a.toml:1:6: task.max_contact_force_n is 10 N, not above task.desired_force_n, 10 N; allow more, or press less"
+    );
+}
+
+#[test]
+fn an_impedance_must_be_damped() {
+    let law = "controller.law = 'impedance'\ncontroller.impedance.damping_ns_per_m = ";
+    assert_eq!(
+        refusal(&format!("{law}100"), &[]),
+        "a.toml:2:22: controller.impedance.damping_ns_per_m is 100, a damping ratio of 0.118884 with that mass on the \
+         assumed sensor: the tool would swing; choose at least 168.232, or less mass"
+    );
+    assert!(Scenario::parse("a.toml", &format!("{law}200"), &[]).is_ok());
+}

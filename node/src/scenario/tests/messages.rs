@@ -4,10 +4,10 @@ use super::refusal;
 use crate::scenario::{Scenario, schema::Entry};
 
 const SECTIONS: &str = "[timing], [robot], [robot.gantry], [robot.arm], [sensor], [tool], [object], [object_sensor], \
-                        [task], [task.force_controlled], [program], [controller], [controller.pd], [controller.proposed], \
-                        [controller.impedance], [controller.expected], [controller.servo], [controller.gears], [controller.elastic], [controller.shaping], \
-                        [controller.adaptation], \
-                        [controller.impact]";
+                         [task], [task.force_controlled], [program], [controller], [controller.pd], [controller.proposed], \
+                         [controller.impedance], [controller.ros2], [controller.fzi], [controller.expected], [controller.servo], \
+                         [controller.gears], [controller.elastic], [controller.shaping], [controller.adaptation], \
+                         [controller.impact], [controller.cusum], [controller.collision], [controller.limits]";
 
 const OBJECT_KEYS: &str = "height_m, indentation_n_per_m, rebound_ratio, exponent, friction, friction_speed_m_per_s, origin_m, \
                            rotation_rad, velocity_m_per_s, swing_amplitude_m, swing_frequency_hz, swing_phase_rad, \
@@ -66,7 +66,7 @@ fn names_that_do_not_exist() {
         refusal("[controller.pid]\n[controller.ros]", &[]),
         format!(
             "a.toml:1:13: unknown section [controller.pid]; a scenario has {SECTIONS}; did you mean [controller.pd]?\n\
-             a.toml:2:13: unknown section [controller.ros]; a scenario has {SECTIONS}"
+             a.toml:2:13: unknown section [controller.ros]; a scenario has {SECTIONS}; did you mean [controller.ros2]?"
         )
     );
     assert_eq!(
@@ -144,13 +144,9 @@ fn words_that_are_unknown_and_words_that_are_planned() {
         refusal("timing.mode = 'lokstep'\ncontroller.law = 'magic'", &[]),
         "a.toml:1:15: timing.mode is the unknown word \"lokstep\"; choose \"lockstep\"; did you mean \"lockstep\"?\n\
          a.toml:2:18: controller.law is the unknown word \"magic\"; choose \"pd\" or \"pd-reset\" or \"literal\" or \"proposed\" or \
-         \"impedance\" or \"elastic\""
+         \"impedance\" or \"elastic\" or \"ros2\" or \"fzi\""
     );
-    let planned = [
-        ("timing.mode", "realtime"),
-        ("controller.law", "ros2"),
-        ("controller.law", "fzi"),
-    ];
+    let planned = [("timing.mode", "realtime")];
     for (path, word) in planned {
         let start = format!(
             "a.toml:1:{}: {path} = \"{word}\" is not available yet; choose \"",
@@ -176,7 +172,7 @@ fn overrides() {
             ]
         ),
         "--set controller.law=dp: controller.law is the unknown word \"dp\"; choose \"pd\" or \"pd-reset\" or \"literal\" or \"proposed\" or \
-         \"impedance\" or \"elastic\"\n\
+         \"impedance\" or \"elastic\" or \"ros2\" or \"fzi\"\n\
          --set timing.seed=-1: timing.seed is -1, below the limit of 0; choose a value in 0..=9223372036854775807\n\
          --set timing.seed: not an assignment; write --set section.key=value\n\
          --set =3: not an assignment; write --set section.key=value\n\

@@ -1,0 +1,58 @@
+use super::*;
+use crate::scenarios::Source;
+
+fn margins(name: &str, overrides: &[&str]) -> Margins {
+    let overrides: Vec<String> = overrides.iter().map(|&text| text.to_owned()).collect();
+    let scenario = Source::find(name).unwrap().scenario(&overrides).unwrap();
+    Loop::new(&scenario).unwrap().margins()
+}
+
+/// PLANT.md section 7: with force output, eq. (2) becomes unstable where the assumed compliance is 2.64 times the real
+/// one at a delay of 4 ms, 2.96 times at 0, 2.28 times at 16 ms.
+#[test]
+fn the_borders_of_equation_2_are_those_of_the_plan() {
+    for (delay, border) in [(4, 2.64), (0, 2.96), (16, 2.28)] {
+        let delay = format!("sensor.delay_ticks={delay}");
+        let found = margins("paper", &["controller.law=literal", &delay]).gain_margin;
+        assert!(
+            (found / border - 1.0).abs() < 0.06,
+            "{delay}: {found}, not {border}"
+        );
+    }
+}
+
+/// As `experiment/tests/borders.rs` finds them in simulations.
+#[test]
+fn what_the_simulations_find_unstable_is_predicted_so() {
+    let literal = "controller.law=literal";
+    let stable = |overrides: &[&str]| margins("paper", overrides).stable;
+    let elastic = "robot.gears=elastic";
+    assert!(!stable(&[literal, elastic]));
+    assert!(!stable(&[literal, elastic, "robot.gear_damping=0.10"]));
+    assert!(stable(&[literal, elastic, "robot.gear_damping=0.25"]));
+    assert!(stable(&[
+        literal,
+        elastic,
+        "robot.gantry.gear_frequency_hz=[30, 30, 30, 30, 30, 30]"
+    ]));
+    let arrival = "controller.pairing=arrival";
+    assert!(stable(&[literal, arrival, "sensor.delay_ticks=16"]));
+    assert!(!stable(&[literal, arrival, "sensor.delay_ticks=36"]));
+    assert!(stable(&[literal, "sensor.delay_ticks=36"]));
+}
+
+/// A set-point that stays is reached, whatever robot and gears are.
+#[test]
+fn at_rest_the_robot_is_where_it_is_sent() {
+    for name in ["paper", "arm", "elastic"] {
+        let scenario = Source::find(name).unwrap().scenario(&[]).unwrap();
+        let plant = Plant::new(&scenario).unwrap();
+        let seen = plant.seen(Complex::new(0.0, 0.01)).unwrap();
+        assert!(
+            (seen.actual - Complex::from(1.0)).norm() < 1e-3,
+            "{name}: {seen:?}"
+        );
+        // Against a stiff object all of it is deflection.
+        assert!((seen.deflection.re + 1.0).abs() < 0.12, "{name}: {seen:?}");
+    }
+}
