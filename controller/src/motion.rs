@@ -1,17 +1,19 @@
 //! The task once the tare is known: approach, contact, and the way from the tcp's coordinates to axes.
 
 mod bounds;
+mod normal;
 mod path;
 mod plan;
+mod reference;
 mod sensed;
+mod statics;
 mod told;
 
 pub(crate) use sensed::Sample;
 
 use crate::Settings;
-use crate::approach::{Share, spread};
-use crate::command_dynamics::{CommandDynamics, Target};
-use crate::contact::{Aim, ContactSample, PREVIEW, Situation, Touch, Waypoint};
+use crate::command_dynamics::CommandDynamics;
+use crate::contact::{ContactSample, PREVIEW, Touch};
 use crate::detection::Detector;
 use crate::disturbance::Disturbance;
 use crate::dofs::{Dofs, NORMAL, Selection, TaskFrame, TcpCompliance};
@@ -24,13 +26,13 @@ use crate::posture::Posture;
 use crate::shaping::swing::Swing;
 use crate::shaping::{Point, Shape};
 use nalgebra::Vector3;
-use node::scenario::{Profile, TaskKind};
-use path::{Path, since};
+use path::Path;
 use plan::{Plan, bound_lead};
 use sensed::{Contact, Sensed};
-use spatial::kinematics::{Axes, Unreachable, join, split};
+use spatial::kinematics::{Axes, Unreachable};
 use spatial::ports::{HORIZON, LIMIT_LEAD, Law, SampleFlags};
-use spatial::{Compliance, Deflection, Pose, TICK_S, Wrench};
+use spatial::{Compliance, Deflection, Pose};
+use statics::tcp_compliance;
 use std::f64::consts::TAU;
 
 /// Everything that exists only once the tare is known.
@@ -286,185 +288,4 @@ impl Motion {
         };
         Ok((set_points, bits))
     }
-
-    /// Tell the law where the command filters will be at `tick`, when the next set-point begins to act.
-    fn track(&mut self, settings: &Settings, tick: i64) {
-        let (dynamics, posture, frame) = (&self.dynamics, &self.posture, &self.frame);
-        self.force_control.track(tick as f64 * TICK_S, || {
-            let reached = dynamics.reached();
-            let r_from_s = settings.kinematics.forward(&reached.position);
-            let hanging = posture.hanging_tcp(&r_from_s);
-            let lever = hanging.translation.vector - r_from_s.translation.vector;
-            let jacobian = settings.kinematics.jacobian(&reached.position);
-            let along = |rates: &Axes| {
-                let (linear, angular) = split(&(jacobian * rates));
-                (linear + angular.cross(&lever))[NORMAL]
-            };
-            Waypoint {
-                position: frame.coordinates(&hanging)[NORMAL],
-                rate: along(&reached.velocity),
-                change: along(&reached.acceleration),
-            }
-        });
-    }
-
-    /// The motion along the normal that a law has planned, unless `coordinates` are elsewhere.
-    fn planned(&self, coordinates: &[Dofs; PREVIEW]) -> Option<&[Waypoint; PREVIEW]> {
-        let motion = self.contact.and(self.force_control.motion())?;
-        let same = |(waypoint, all): (&Waypoint, &Dofs)| waypoint.position == all[NORMAL];
-        motion.iter().zip(coordinates).all(same).then_some(motion)
-    }
-
-    /// Give `targets` the rates of the `motion` along the normal instead of those that follow from `coordinates`.
-    fn along_normal(
-        &self,
-        settings: &Settings,
-        motion: &[Waypoint; PREVIEW],
-        coordinates: &[Dofs; PREVIEW],
-        axes: &Axes,
-        targets: &mut [Target; HORIZON],
-    ) {
-        let upwards = join(Vector3::z(), Vector3::zeros());
-        let per_metre = settings
-            .kinematics
-            .jacobian(axes)
-            .lu()
-            .solve(&upwards)
-            .unwrap_or_default();
-        let heights = coordinates.map(|all| Axes::repeat(all[NORMAL]));
-        for ((target, known), waypoint) in targets
-            .iter_mut()
-            .zip(self.dynamics.targets(&heights))
-            .zip(motion)
-        {
-            target.velocity += per_metre * (waypoint.rate - known.velocity[0]);
-            target.acceleration += per_metre * (waypoint.change - known.acceleration[0]);
-        }
-    }
-
-    /// The lowest height of the hanging tcp at `tick`, m: where it presses at the end of the search.
-    fn lowest(&self, expectation: &Expectation, tick: i64) -> f64 {
-        let end = self
-            .path
-            .map_or(f64::NEG_INFINITY, |path| path.end_m(expectation, tick));
-        end - libm::fabs(self.desired_displacement[NORMAL])
-    }
-
-    /// From the sensor frame to the hanging tcp while the axes are at `axes`, m in r.
-    fn lever(&self, settings: &Settings, axes: &Axes) -> Vector3<f64> {
-        let r_from_s = settings.kinematics.forward(axes);
-        self.posture.hanging_tcp(&r_from_s).translation.vector - r_from_s.translation.vector
-    }
-
-    /// The magnitude of the tcp's acceleration (m/s^2) that `changes` (rad/s^2) of the axes at `axes` cause: whatever its
-    /// direction, the tool's swing shows along the normal.
-    fn tcp_acceleration(&self, settings: &Settings, axes: &Axes, changes: &Axes) -> f64 {
-        let (linear, angular) = split(&(settings.kinematics.jacobian(axes) * changes));
-        (linear + angular.cross(&self.lever(settings, axes))).norm()
-    }
-
-    /// The torque (Nm) on the axes at `axes` under the desired wrench at the tcp.
-    fn torque(&self, settings: &Settings, axes: &Axes) -> Axes {
-        let Wrench { force, moment } = settings.desired;
-        let at_s = join(force, moment + self.lever(settings, axes).cross(&force));
-        settings.kinematics.jacobian(axes).tr_mul(&at_s)
-    }
-
-    /// Where the hanging tcp is to be at `tick` as far as no force law moves it: on the way to the object and with it,
-    /// and in the posture that keeps the tool's reference; the deflected one is to keep to the way, so that the hanging
-    /// one leads it ([`crate::shaping`]). What leads the robot is led here if the law is not fed
-    /// forward.
-    ///
-    /// `known` is what stood in the posture for the instant before: shift, share and coordinates.
-    fn reference(
-        &self,
-        settings: &Settings,
-        expectation: &Expectation,
-        tick: i64,
-        fed_forward: bool,
-        known: &mut Option<(Vector3<f64>, f64, Dofs)>,
-    ) -> Dofs {
-        let tilt = self.contact.map_or(Share::default(), |contact| {
-            let time = since(settings, contact.cycle_tick, tick);
-            spread(time, settings.controller.tilt_time_s)
-        });
-        let share = if fed_forward {
-            tilt.value
-        } else {
-            self.dynamics.inverse(tilt.value, tilt.rate, tilt.acceleration)
-        };
-        let (distance, lead) = match self.contact {
-            // What the tool was led by then fades away.
-            Some(Contact { met, .. }) if settings.task.kind == TaskKind::Press => {
-                (met.distance, self.lead(settings, &met) * (1.0 - tilt.value))
-            }
-            _ => {
-                let point = self.path.map_or(Point::default(), |path| path.at(settings, tick));
-                (point.distance, self.lead(settings, &point))
-            }
-        };
-        let shift = self.path.and_then(|path| path.shift(expectation, tick, distance));
-        let shift = shift.unwrap_or_default();
-        let mut coordinates = match *known {
-            Some((before, at, coordinates)) if before == shift && at == share => coordinates,
-            _ => self.frame.coordinates(&self.posture.reference(shift, share)),
-        };
-        *known = Some((shift, share, coordinates));
-        coordinates += lead;
-        coordinates[NORMAL] -= distance;
-        coordinates
-    }
-
-    /// How far the hanging tcp leads the deflected one at `point` of its way, m and rad.
-    fn lead(&self, settings: &Settings, point: &Point) -> Dofs {
-        match settings.controller.shaping.profile {
-            Profile::Smooth => self.swing.lead(-point.acceleration),
-            Profile::Trapezoid => Dofs::zeros(),
-        }
-    }
-
-    /// What the force laws ask for at the ticks `reached`.
-    /// `actual` are the newest encoder values.
-    fn demand(&mut self, settings: &Settings, reached: &[i64; PREVIEW], actual: &Axes) -> [Dofs; PREVIEW] {
-        let Plan {
-            coordinates,
-            commanded,
-            ..
-        } = self.plan;
-        let period_s = settings.period_ticks as f64 * TICK_S;
-        let r_from_s = settings.kinematics.forward(actual);
-        let actual = self.frame.coordinates(&self.posture.hanging_tcp(&r_from_s));
-        let desired_wrench = join(settings.desired.force, settings.desired.moment);
-        let (compliance, displacement) = (self.compliance, self.desired_displacement);
-        self.force_control.demand(
-            |dof| Aim {
-                wrench: desired_wrench[dof],
-                displacement: displacement[dof],
-                compliance: compliance.along(dof),
-            },
-            |dof| Situation {
-                commanded: commanded[dof],
-                desired: coordinates[0][dof],
-                desired_rate: (coordinates[1][dof] - coordinates[0][dof]) / period_s,
-                actual: actual[dof],
-                reached_s: reached.map(|tick| tick as f64 * TICK_S),
-                period_s,
-            },
-        )
-    }
-}
-
-/// The compliance of a tcp that hangs as in `posture`, in r.
-fn tcp_compliance(
-    compliance: &Compliance,
-    posture: &Posture,
-    r_from_s: &Pose,
-    selection: &Selection,
-) -> TcpCompliance {
-    let rotation = r_from_s.rotation.to_rotation_matrix().into_inner();
-    let in_r = Compliance {
-        translation: rotation * compliance.translation * rotation.transpose(),
-        rotation: rotation * compliance.rotation * rotation.transpose(),
-    };
-    TcpCompliance::new(&in_r, posture.lever(), selection)
 }

@@ -48,6 +48,7 @@ impl Scenario {
         self.check_task(&mut conflicts);
         self.check_axes(&mut conflicts);
         self.check_steps(&mut conflicts);
+        self.check_links(&mut conflicts);
         self.check_deflection(&mut conflicts);
         self.check_profile(&mut conflicts);
         self.check_kind(&mut conflicts);

@@ -1,6 +1,7 @@
 //! The sections `[controller.gears]` and `[controller.elastic]`: what is assumed of elastic gears, and the law for them.
 
-use super::{Gears, schema};
+use super::check::{Conflicts, short};
+use super::{Gears, Scenario, schema};
 
 schema::section! {
     /// What the controller assumes of the gears; motors and links are those of `[controller.servo]`.
@@ -36,5 +37,48 @@ schema::section! {
         unknown_acceleration_m_per_s2: f64 = 0.12, in 1e-6..=1e3;
         /// How much of the likelihood of a hypothesis is left after a sample; 1: nothing is forgotten.
         likelihood_memory: f64 = 0.98, in 0.0..=1.0;
+    }
+}
+
+impl Scenario {
+    /// The links that are assumed must be masses, for the law `elastic` and for a shaped motion with elastic gears: an
+    /// inertia matrix has only positive pivots.
+    pub(super) fn check_links(&self, conflicts: &mut Conflicts) {
+        let controller = &self.controller;
+        let own = &controller.servo.link_inertia_kg_m2;
+        let mut matrix = [[0.0; 6]; 6];
+        let mut couplings = controller.gears.link_coupling_kg_m2.iter();
+        for i in 0..6 {
+            matrix[i][i] = own[i];
+            for (j, coupling) in (i + 1..6).zip(&mut couplings) {
+                matrix[j][i] = *coupling;
+            }
+        }
+        // Gauss's elimination of the lower half.
+        for i in 0..6 {
+            let pivot = matrix[i][i];
+            conflicts.require(
+                pivot > 0.0,
+                &[
+                    "controller.gears.link_coupling_kg_m2",
+                    "controller.servo.link_inertia_kg_m2",
+                ],
+                format!(
+                    "controller.gears.link_coupling_kg_m2 leaves axis {i} no inertia ({} kg m^2 of \
+                     controller.servo.link_inertia_kg_m2[{i}], {} kg m^2): couple it less",
+                    short(pivot),
+                    short(own[i])
+                ),
+            );
+            if pivot <= 0.0 {
+                return;
+            }
+            let column = std::array::from_fn::<f64, 6, _>(|k| matrix[k][i]);
+            for j in i + 1..6 {
+                for k in i + 1..=j {
+                    matrix[j][k] -= column[j] * column[k] / pivot;
+                }
+            }
+        }
     }
 }

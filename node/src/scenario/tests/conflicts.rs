@@ -325,3 +325,18 @@ fn an_impedance_must_be_damped() {
     );
     assert!(Scenario::parse("a.toml", &format!("{law}200"), &[]).is_ok());
 }
+
+/// With 60 kg m^2 each, a coupling of 70 leaves the second axis 60 - 70^2 / 60.
+#[test]
+fn coupled_links_are_masses() {
+    let mut coupling = [0.0; 15];
+    coupling[0] = 70.0;
+    assert_eq!(
+        refusal(
+            &format!("controller.gears.link_coupling_kg_m2 = {coupling:?}"),
+            &[]
+        ),
+        "a.toml:1:18: controller.gears.link_coupling_kg_m2 leaves axis 1 no inertia (-21.6667 kg m^2 of \
+         controller.servo.link_inertia_kg_m2[1], 60 kg m^2): couple it less"
+    );
+}

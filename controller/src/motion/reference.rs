@@ -1,0 +1,113 @@
+//! Where the hanging tcp is to be: by its way, by its posture, and by the force laws.
+
+use super::Motion;
+use super::path::since;
+use super::plan::Plan;
+use super::sensed::Contact;
+use crate::Settings;
+use crate::approach::{Share, spread};
+use crate::contact::{Aim, PREVIEW, Situation};
+use crate::dofs::{Dofs, NORMAL};
+use crate::expectation::Expectation;
+use crate::shaping::Point;
+use nalgebra::Vector3;
+use node::scenario::{Profile, TaskKind};
+use spatial::TICK_S;
+use spatial::kinematics::{Axes, join};
+
+impl Motion {
+    /// The lowest height of the hanging tcp at `tick`, m: where it presses at the end of the search.
+    pub(super) fn lowest(&self, expectation: &Expectation, tick: i64) -> f64 {
+        let end = self
+            .path
+            .map_or(f64::NEG_INFINITY, |path| path.end_m(expectation, tick));
+        end - libm::fabs(self.desired_displacement[NORMAL])
+    }
+
+    /// Where the hanging tcp is to be at `tick` as far as no force law moves it: on the way to the object and with it,
+    /// and in the posture that keeps the tool's reference; the deflected one is to keep to the way, so that the hanging
+    /// one leads it ([`crate::shaping`]). What leads the robot is led here if the law is not fed
+    /// forward.
+    ///
+    /// `known` is what stood in the posture for the instant before: shift, share and coordinates.
+    pub(super) fn reference(
+        &self,
+        settings: &Settings,
+        expectation: &Expectation,
+        tick: i64,
+        fed_forward: bool,
+        known: &mut Option<(Vector3<f64>, f64, Dofs)>,
+    ) -> Dofs {
+        let tilt = self.contact.map_or(Share::default(), |contact| {
+            let time = since(settings, contact.cycle_tick, tick);
+            spread(time, settings.controller.tilt_time_s)
+        });
+        let share = if fed_forward {
+            tilt.value
+        } else {
+            self.dynamics.inverse(tilt.value, tilt.rate, tilt.acceleration)
+        };
+        let (distance, lead) = match self.contact {
+            // What the tool was led by then fades away.
+            Some(Contact { met, .. }) if settings.task.kind == TaskKind::Press => {
+                (met.distance, self.lead(settings, &met) * (1.0 - tilt.value))
+            }
+            _ => {
+                let point = self.path.map_or(Point::default(), |path| path.at(settings, tick));
+                (point.distance, self.lead(settings, &point))
+            }
+        };
+        let shift = self.path.and_then(|path| path.shift(expectation, tick, distance));
+        let shift = shift.unwrap_or_default();
+        let mut coordinates = match *known {
+            Some((before, at, coordinates)) if before == shift && at == share => coordinates,
+            _ => self.frame.coordinates(&self.posture.reference(shift, share)),
+        };
+        *known = Some((shift, share, coordinates));
+        coordinates += lead;
+        coordinates[NORMAL] -= distance;
+        coordinates
+    }
+
+    /// How far the hanging tcp leads the deflected one at `point` of its way, m and rad.
+    fn lead(&self, settings: &Settings, point: &Point) -> Dofs {
+        match settings.controller.shaping.profile {
+            Profile::Smooth => self.swing.lead(-point.acceleration),
+            Profile::Trapezoid => Dofs::zeros(),
+        }
+    }
+
+    /// What the force laws ask for at the ticks `reached`; `actual` are the newest encoder values.
+    pub(super) fn demand(
+        &mut self,
+        settings: &Settings,
+        reached: &[i64; PREVIEW],
+        actual: &Axes,
+    ) -> [Dofs; PREVIEW] {
+        let Plan {
+            coordinates,
+            commanded,
+            ..
+        } = self.plan;
+        let period_s = settings.period_ticks as f64 * TICK_S;
+        let r_from_s = settings.kinematics.forward(actual);
+        let actual = self.frame.coordinates(&self.posture.hanging_tcp(&r_from_s));
+        let desired_wrench = join(settings.desired.force, settings.desired.moment);
+        let (compliance, displacement) = (self.compliance, self.desired_displacement);
+        self.force_control.demand(
+            |dof| Aim {
+                wrench: desired_wrench[dof],
+                displacement: displacement[dof],
+                compliance: compliance.along(dof),
+            },
+            |dof| Situation {
+                commanded: commanded[dof],
+                desired: coordinates[0][dof],
+                desired_rate: (coordinates[1][dof] - coordinates[0][dof]) / period_s,
+                actual: actual[dof],
+                reached_s: reached.map(|tick| tick as f64 * TICK_S),
+                period_s,
+            },
+        )
+    }
+}
