@@ -255,3 +255,6 @@ fn weights(observers: &[Observer; HYPOTHESES]) -> [f64; HYPOTHESES] {
     let sum: f64 = weights.iter().sum();
     weights.map(|weight| weight / sum)
 }
+
+#[cfg(test)]
+mod tests;

@@ -38,7 +38,7 @@ fn allocated(scenario: &Scenario) -> ([AllocationInfo; 3], bool) {
 
 #[test]
 fn the_loop_does_not_allocate() {
-    for name in ["paper", "elastic", "arm"] {
+    for name in ["paper", "elastic", "arm", "elastic_arm"] {
         let scenario = Source::find(name).unwrap().scenario(&[]).unwrap();
         let (sums, touched) = allocated(&scenario);
         assert!(touched, "{name}: no contact");

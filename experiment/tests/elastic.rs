@@ -5,6 +5,7 @@
 use experiment::compare::{Summary, outcomes, variations};
 use experiment::scenarios::Source;
 use node::scenario::Scenario;
+use spatial::kinematics::Arm;
 
 /// Contact phases and seeds that no tuning has seen.
 fn summary(name: &str, overrides: &[String], phases: usize) -> Summary {
@@ -65,6 +66,24 @@ fn beyond_the_linear_range_the_contact_is_kept() {
             assert!(
                 worst.settling_10_s <= 0.4 && worst.steady_error_n.abs() <= 0.1,
                 "{name}, {change}: {worst:?}"
+            );
+        }
+    }
+}
+
+/// What `elastic_arm` assumes of its links is what they are in the working posture, to the digits that it gives.
+#[test]
+fn the_assumed_links_are_the_arms() {
+    let scenario = Source::find("elastic_arm").unwrap().scenario(&[]).unwrap();
+    let real = robot_sim::arm_links::ArmLinks::new(&scenario.robot.arm).mass_matrix(&Arm::WORKING);
+    let mut couplings = scenario.controller.gears.link_coupling_kg_m2.iter();
+    for i in 0..6 {
+        let own = scenario.controller.servo.link_inertia_kg_m2[i];
+        assert!((own / real[(i, i)] - 1.0).abs() < 2e-3, "{i}: {own} {real}");
+        for (j, coupling) in (i + 1..6).zip(&mut couplings) {
+            assert!(
+                (coupling - real[(i, j)]).abs() < 2e-3,
+                "{i}, {j}: {coupling} {real}"
             );
         }
     }
