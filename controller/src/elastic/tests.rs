@@ -127,7 +127,8 @@ fn pressed(real: usize, aim: &Aim) -> (f64, f64, [f64; HYPOTHESES]) {
         let acts = tick + TICKS * DEAD;
         law.track(acts as f64 * TICK_S, filters[acts]);
         let late = tick.saturating_sub(2 * TICKS)..tick.saturating_sub(TICKS);
-        for sample in &samples[late] {
+        // The contact is detected after 3 ms.
+        for sample in samples[late].iter().filter(|sample| sample.time_s > 2.5e-3) {
             law.take(sample);
         }
         let situation = Situation {
