@@ -60,6 +60,7 @@ pub mod transform;
 mod motion;
 mod protection;
 mod sensing;
+mod settings;
 mod status;
 
 use collision::CollisionWatch;
@@ -67,17 +68,16 @@ use expectation::Expectation;
 use limits::Limits;
 use motion::{Motion, Sample};
 use nalgebra::Vector3;
-use node::scenario::{self, Pairing, Scenario, TaskKind};
+use node::scenario::{Pairing, Scenario, TaskKind};
 use pairing::EncoderHistory;
 use sensing::Sensing;
-use spatial::kinematics::{Axes, Kinematics};
+use settings::Settings;
+use spatial::kinematics::Axes;
 use spatial::ports::{
-    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, Law, ObjectPose,
-    RobotState,
+    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, ObjectPose, RobotState,
 };
-use spatial::{Compliance, TICK_S, TICK_US, Wrench};
+use spatial::{TICK_S, TICK_US};
 use std::f64::consts::TAU;
-use std::sync::Arc;
 use tilting::Tilting;
 use transform::deflection_at_tcp;
 
@@ -115,83 +115,27 @@ pub struct Controller {
     limits: i32,
 }
 
-/// What the scenario says, in the controller's terms.
-#[derive(Clone, Debug)]
-struct Settings {
-    seed: i64,
-    period_ticks: i64,
-    task: scenario::Task,
-    controller: scenario::Controller,
-    kinematics: Kinematics,
-    compliance: Compliance,
-    d: Vector3<f64>,
-    desired: Wrench,
-    /// For the law of that name.
-    elastic: Option<Arc<elastic::Design>>,
-}
-
-impl Settings {
-    /// Periods from a cycle to the instant at which its first set-point is reached.
-    fn lead(&self) -> i64 {
-        self.controller.command_delay_periods + 1
-    }
-
-    /// The speed (m/s) at which the command is as far ahead of the actual pose as it may be, but for what acceleration
-    /// adds: the tcp is sent where it arrives after the dead time, and the command filter lags by `2 zeta / w`. Faster, the
-    /// way would wait and go on again and again.
-    fn fastest_m_per_s(&self) -> f64 {
-        let controller = &self.controller;
-        let lag_s = 2.0 * controller.filter_damping / (TAU * controller.filter_frequency_hz);
-        0.97 * controller.max_lead_m / (self.lead() as f64 * self.period_s() + lag_s)
-    }
-
-    /// T, s.
-    fn period_s(&self) -> f64 {
-        self.period_ticks as f64 * TICK_S
-    }
-}
-
 /// How long the force must stay in its band before the contact counts as settled, s.
 const SETTLED_S: f64 = 0.05;
 
 impl Controller {
     /// The scenario's controller, knowing nothing yet.
     pub fn new(scenario: &Scenario) -> Self {
-        let controller = &scenario.controller;
-        let compliance =
-            Compliance::isotropic(controller.compliance_m_per_n, controller.compliance_rad_per_nm);
+        let settings = Settings::new(scenario);
         Self {
-            settings: Settings {
-                seed: scenario.timing.seed,
-                period_ticks: scenario.timing.command_period_ticks,
-                task: scenario.task.clone(),
-                controller: controller.clone(),
-                kinematics: scenario.robot.kinematics(),
-                compliance,
-                d: controller.tcp_in_s_m.into(),
-                desired: Wrench {
-                    force: Vector3::z() * scenario.task.pressing_force_n(),
-                    moment: match scenario.task.kind {
-                        TaskKind::Press => scenario.task.desired_moment_nm.into(),
-                        TaskKind::Position | TaskKind::Calibrate => Vector3::zeros(),
-                    },
-                },
-                elastic: (controller.law == Law::Elastic)
-                    .then(|| elastic::Design::new(scenario).map(Arc::new))
-                    .flatten(),
-            },
+            sensing: Sensing::new(&settings.controller, settings.compliance),
+            collision: CollisionWatch::new(&settings.controller, &scenario.task),
+            settings,
             phase: ControllerPhase::Init,
             fault: Fault::None,
             encoders: EncoderHistory::default(),
             newest_sample_utime: i64::MIN,
             heard_tick: 0,
             expectation: Expectation::new(scenario),
-            sensing: Sensing::new(controller, compliance),
             start: Axes::zeros(),
             commanded: Axes::zeros(),
             motion: None,
             tilting: None,
-            collision: CollisionWatch::new(controller, &scenario.task),
             bounds: Limits::new(scenario, &Axes::zeros()),
             limits: 0,
         }

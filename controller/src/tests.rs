@@ -9,11 +9,11 @@ mod protection;
 mod samples;
 
 use super::*;
-use node::scenario::SensorOutput;
-use spatial::Deflection;
+use node::scenario::{self, SensorOutput};
 use spatial::ports::{
     Authenticity, ClockEcho, ENCODER_SAMPLES, HORIZON, RobotMode, Role, SampleFlags, Stamp,
 };
+use spatial::{Compliance, Deflection, Wrench};
 
 fn state(tick: i64, axes: Axes) -> RobotState {
     RobotState {

@@ -1,6 +1,6 @@
 //! `touchdown bench`.
 
-use super::{ScenarioArgs, configuration_hash, detection, print, print_json};
+use super::{Header, ScenarioArgs, detection, print, print_json};
 use anyhow::Result;
 use crossbeam::channel::Receiver;
 use experiment::in_process::{self, Part};
@@ -38,9 +38,8 @@ pub(crate) struct SimulationArgs {
 
 #[derive(Serialize)]
 struct Report<'a> {
-    command: &'static str,
-    scenario: &'a str,
-    configuration_hash: String,
+    #[serde(flatten)]
+    header: Header<'a>,
     repetitions: u16,
     ticks: i64,
     simulated_s_per_core_s: f64,
@@ -83,9 +82,7 @@ fn simulation(args: &SimulationArgs) -> Result<ExitCode> {
     let us_per_tick = |part: Part| 1e6 / median(&rates_of(&|| in_process::replay(part, &scenario, &said)));
     let median = median(&rates);
     let report = Report {
-        command: "bench simulation",
-        scenario: &source.name,
-        configuration_hash: configuration_hash(&scenario),
+        header: Header::new("bench simulation", &source, &scenario),
         repetitions: args.repetitions,
         ticks,
         simulated_s_per_core_s: median * TICK_S,
@@ -131,9 +128,8 @@ pub(crate) struct NetworkArgs {
 
 #[derive(Serialize)]
 struct NetworkReport<'a> {
-    command: &'static str,
-    scenario: &'a str,
-    configuration_hash: String,
+    #[serde(flatten)]
+    header: Header<'a>,
     repetitions: u16,
     ticks: i64,
     lockstep_ticks_per_s: f64,
@@ -154,9 +150,7 @@ fn network(args: &NetworkArgs) -> Result<ExitCode> {
     in_process::run(&scenario, |_| ());
     let in_process_s = (clock::now() - started).as_secs_f64();
     let report = NetworkReport {
-        command: "bench network",
-        scenario: &source.name,
-        configuration_hash: configuration_hash(&scenario),
+        header: Header::new("bench network", &source, &scenario),
         repetitions: args.repetitions,
         ticks: scenario.timing.ticks(),
         lockstep_ticks_per_s: median(&rates),

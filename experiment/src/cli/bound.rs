@@ -1,6 +1,6 @@
 //! `touchdown bound`.
 
-use super::{ScenarioArgs, configuration_hash, print, print_json, word};
+use super::{Header, ScenarioArgs, print, print_json, word};
 use anyhow::Result;
 use experiment::bound::{Bound, bound};
 use serde::Serialize;
@@ -18,9 +18,8 @@ pub(crate) struct Args {
 
 #[derive(Serialize)]
 struct Report<'a> {
-    command: &'static str,
-    scenario: &'a str,
-    configuration_hash: String,
+    #[serde(flatten)]
+    header: Header<'a>,
     robot: String,
     kinematics: String,
     #[serde(flatten)]
@@ -33,9 +32,7 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     let (robot, kinematics) = (word(scenario.robot.gears), word(scenario.robot.kinematics));
     if args.json {
         print_json(&Report {
-            command: "bound",
-            scenario: &source.name,
-            configuration_hash: configuration_hash(&scenario),
+            header: Header::new("bound", &source, &scenario),
             robot,
             kinematics,
             bound: &bound,

@@ -1,16 +1,14 @@
 //! `touchdown calibrate`.
 
-use super::{FAILED, ScenarioArgs, complain, configuration_hash, print, print_json};
+use super::{FAILED, Header, ScenarioArgs, complain, print, print_json, progress};
 use anyhow::{Context, Result};
 use experiment::calibrate::{self, Report, Value};
 use experiment::launch::{self, Plan, Wiring};
 use experiment::run_port::RunPort;
 use experiment::scenarios::Source;
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -33,9 +31,8 @@ pub(crate) struct Args {
 
 #[derive(Serialize)]
 struct Printed<'a> {
-    command: &'static str,
-    scenario: &'a str,
-    configuration_hash: String,
+    #[serde(flatten)]
+    header: Header<'a>,
     #[serde(flatten)]
     values: BTreeMap<&'static str, Value>,
     /// What the values rest on that was not measured.
@@ -71,7 +68,7 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
         run_id: i64::from(std::process::id()),
         directory: directory.path().to_owned(),
     };
-    let progress = progress(scenario.timing.ticks());
+    let progress = progress("calibrate {bar:40} {pos}/{len} ticks", scenario.timing.ticks());
     let entries = launch::run(&plan, &stop, |tick| progress.set_position(tick.max(0) as u64))?;
     progress.finish_and_clear();
     let calibration = calibrate::from_transcript(&scenario, &entries)?;
@@ -79,9 +76,7 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
 
     if args.json {
         print_json(&Printed {
-            command: "calibrate",
-            scenario: &source.name,
-            configuration_hash: configuration_hash(&scenario),
+            header: Header::new("calibrate", &source, &scenario),
             values: report.values(),
             assumed: report.assumed.as_deref(),
             missing: report.missing.as_deref(),
@@ -104,13 +99,4 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
         }
         None => Ok(ExitCode::SUCCESS),
     }
-}
-
-/// On a terminal, and nowhere else.
-fn progress(ticks: i64) -> ProgressBar {
-    if !stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("calibrate {bar:40} {pos}/{len} ticks");
-    ProgressBar::new(ticks.max(0) as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

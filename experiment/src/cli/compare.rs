@@ -1,7 +1,7 @@
 //! `touchdown compare`.
 
 use super::{
-    FAILED, ScenarioArgs, complain, configuration_hash, distinct, print, print_json, progress, threads, word,
+    FAILED, Header, ScenarioArgs, complain, distinct, print, print_json, progress_of_runs, threads, word,
 };
 use anyhow::Result;
 use experiment::compare::{Comparison, Matrix};
@@ -22,7 +22,7 @@ pub(crate) struct Args {
     /// Kinematics: gantry, arm [default: the scenario's]
     #[arg(long, value_delimiter = ',')]
     kinematics: Vec<String>,
-    /// Control laws: pd, pd-reset, literal, proposed, impedance, ros2, fzi
+    /// Control laws: pd, pd-reset, literal, proposed, impedance, elastic, ros2, fzi
     #[arg(long, value_delimiter = ',', default_value = "pd,proposed")]
     laws: Vec<String>,
     /// Gains: the scenario's own (default), tuned ones; a row for each
@@ -49,9 +49,8 @@ pub(crate) struct Args {
 
 #[derive(Serialize)]
 struct Report<'a> {
-    command: &'static str,
-    scenario: &'a str,
-    configuration_hash: String,
+    #[serde(flatten)]
+    header: Header<'a>,
     phases: u16,
     seeds: u16,
     #[serde(flatten)]
@@ -77,16 +76,14 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
         seeds: args.seeds.into(),
     };
     let tuned = tuned(args.tuned.as_deref())?;
-    let progress = progress(matrix.runs());
+    let progress = progress_of_runs(matrix.runs());
     let comparison = threads(&args.threads, || {
         matrix.run(&scenario, &tuned, || progress.inc(1))
     })??;
     progress.finish_and_clear();
     if args.json {
         print_json(&Report {
-            command: "compare",
-            scenario: &source.name,
-            configuration_hash: configuration_hash(&scenario),
+            header: Header::new("compare", &source, &scenario),
             phases: args.phases,
             seeds: args.seeds,
             comparison: &comparison,

@@ -1,7 +1,6 @@
 //! `touchdown conditions`.
 
-use super::progress;
-use super::{ScenarioArgs, configuration_hash, distinct, print, print_json, word};
+use super::{Header, ScenarioArgs, distinct, print, print_json, progress_of_runs, word};
 use anyhow::Result;
 use experiment::conditions::{ConditionRow, Plan, Report as Table, conditions};
 use serde::Serialize;
@@ -28,9 +27,8 @@ pub(crate) struct Args {
 
 #[derive(Serialize)]
 struct Report<'a> {
-    command: &'static str,
-    scenario: &'a str,
-    configuration_hash: String,
+    #[serde(flatten)]
+    header: Header<'a>,
     phases: u16,
     seeds: u16,
     rows: &'a [ConditionRow],
@@ -45,14 +43,12 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
         seeds: args.seeds.into(),
     };
     let conditions = conditions(&scenario)?;
-    let progress = progress(plan.runs(&conditions));
+    let progress = progress_of_runs(plan.runs(&conditions));
     let rows = plan.run(&conditions, || progress.inc(1))?;
     progress.finish_and_clear();
     if args.json {
         print_json(&Report {
-            command: "conditions",
-            scenario: &source.name,
-            configuration_hash: configuration_hash(&scenario),
+            header: Header::new("conditions", &source, &scenario),
             phases: args.phases,
             seeds: args.seeds,
             rows: &rows,

@@ -1,12 +1,10 @@
 //! `touchdown bench detection`.
 
-use super::{FAILED, ScenarioArgs, complain, configuration_hash, print, print_json};
+use super::{FAILED, Header, ScenarioArgs, complain, print, print_json, progress};
 use anyhow::Result;
 use experiment::detection::{self, Alarms, Delay};
-use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use std::fmt::Write;
-use std::io::{IsTerminal, stderr};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -57,9 +55,8 @@ fn speed(text: &str) -> Result<f64, String> {
 
 #[derive(Serialize)]
 struct Report<'a> {
-    command: &'static str,
-    scenario: &'a str,
-    configuration_hash: String,
+    #[serde(flatten)]
+    header: Header<'a>,
     noise: Alarms,
     acceleration: Alarms,
     phases: u16,
@@ -72,11 +69,9 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     let steps = detection::watches(args.noise_hours)
         + detection::approaches(&scenario, args.acceleration_hours)
         + 2 * speeds.len() as u64;
-    let progress = progress(steps);
+    let progress = progress("{bar:40} {pos}/{len} {eta}", steps as i64);
     let report = Report {
-        command: "bench detection",
-        scenario: &source.name,
-        configuration_hash: configuration_hash(&scenario),
+        header: Header::new("bench detection", &source, &scenario),
         noise: detection::noise(&scenario, args.noise_hours, || progress.inc(1)),
         acceleration: detection::accelerations(&scenario, args.acceleration_hours, || progress.inc(1)),
         phases: args.phases,
@@ -140,12 +135,4 @@ fn text(report: &Report<'_>) -> String {
         report.phases
     );
     text
-}
-
-fn progress(steps: u64) -> ProgressBar {
-    if !stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} {eta}");
-    ProgressBar::new(steps).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }

@@ -1,6 +1,6 @@
 //! `touchdown free-motion`.
 
-use super::{ScenarioArgs, configuration_hash, print, print_json};
+use super::{Header, ScenarioArgs, print, print_json};
 use anyhow::Result;
 use experiment::free_motion::{FreeMotion, Table, Way, measure};
 use node::scenario::Profile;
@@ -28,9 +28,8 @@ pub(crate) struct Args {
 
 #[derive(Serialize)]
 struct Report<'a> {
-    command: &'static str,
-    scenario: &'a str,
-    configuration_hash: String,
+    #[serde(flatten)]
+    header: Header<'a>,
     length_m: f64,
     speed_m_per_s: f64,
     acceleration_m_per_s2: f64,
@@ -50,9 +49,7 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     let acceleration_m_per_s2 = scenario.controller.shaping.acceleration_m_per_s2;
     if args.json {
         print_json(&Report {
-            command: "free-motion",
-            scenario: &source.name,
-            configuration_hash: configuration_hash(&scenario),
+            header: Header::new("free-motion", &source, &scenario),
             length_m: way.length_m,
             speed_m_per_s: way.speed_m_per_s,
             acceleration_m_per_s2,

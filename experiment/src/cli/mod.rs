@@ -91,6 +91,25 @@ impl ScenarioArgs {
     }
 }
 
+/// What every JSON object about a scenario begins with.
+#[derive(Serialize)]
+struct Header<'a> {
+    command: &'static str,
+    scenario: &'a str,
+    /// The hash of all resolved values: 16 hexadecimal digits.
+    configuration_hash: String,
+}
+
+impl<'a> Header<'a> {
+    fn new(command: &'static str, source: &'a Source, scenario: &Scenario) -> Self {
+        Self {
+            command,
+            scenario: &source.name,
+            configuration_hash: format!("{:016x}", scenario.hash()),
+        }
+    }
+}
+
 /// On how many threads to run.
 #[derive(clap::Args)]
 struct Threads {
@@ -108,13 +127,18 @@ fn threads<T: Send>(threads: &Threads, work: impl FnOnce() -> T + Send) -> Resul
         .install(work))
 }
 
-/// A bar on a terminal, and nothing elsewhere.
-fn progress(runs: usize) -> ProgressBar {
+/// A bar as `template` says over `steps` on a terminal, and nothing elsewhere.
+fn progress(template: &str, steps: i64) -> ProgressBar {
     if !stderr().is_terminal() {
         return ProgressBar::hidden();
     }
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} runs, {eta} left");
-    ProgressBar::new(runs as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    let style = ProgressStyle::with_template(template);
+    ProgressBar::new(steps.max(0) as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+/// A bar over `runs`.
+fn progress_of_runs(runs: usize) -> ProgressBar {
+    progress("{bar:40} {pos}/{len} runs, {eta} left", runs as i64)
 }
 
 /// The program.
@@ -204,11 +228,6 @@ fn print(data: impl Display) -> Result<()> {
 /// One JSON object on stdout.
 fn print_json(object: &impl Serialize) -> Result<()> {
     print(format_args!("{}\n", serde_json::to_string_pretty(object)?))
-}
-
-/// The hash of all resolved values as JSON carries it: 16 hexadecimal digits.
-fn configuration_hash(scenario: &Scenario) -> String {
-    format!("{:016x}", scenario.hash())
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! `touchdown run`.
 
-use super::{ScenarioArgs, configuration_hash, distinct, print, print_json, word};
+use super::{Header, ScenarioArgs, distinct, print, print_json, progress, word};
 use anyhow::{Context, Result};
 use crossbeam::channel::Receiver;
 use experiment::figure::{LabelledCurve, force_figure};
@@ -11,11 +11,10 @@ use experiment::run_port::RunPort;
 use experiment::scenarios::Source;
 use experiment::table::{Row, Table};
 use experiment::transcript;
-use indicatif::{ProgressBar, ProgressStyle};
 use node::scenario::Scenario;
 use serde::Serialize;
 use std::fs;
-use std::io::{self, IsTerminal, stderr};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
@@ -44,9 +43,8 @@ pub(crate) struct Args {
 
 #[derive(Serialize)]
 struct Report<'a> {
-    command: &'static str,
-    scenario: &'a str,
-    configuration_hash: String,
+    #[serde(flatten)]
+    header: Header<'a>,
     seed: i64,
     out: &'a Path,
     rows: Vec<Row>,
@@ -83,9 +81,7 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
 
     if args.json {
         print_json(&Report {
-            command: "run",
-            scenario: &source.name,
-            configuration_hash: configuration_hash(&scenario),
+            header: Header::new("run", &source, &scenario),
             seed: args.seed.unwrap_or(scenario.timing.seed),
             out: &args.out,
             rows,
@@ -127,7 +123,8 @@ fn measure(
             run_id: i64::from(std::process::id()),
             directory: place.path().to_owned(),
         };
-        let progress = progress(law, scenario.timing.ticks());
+        let progress = progress("{msg:10} {bar:40} {pos}/{len} ticks", scenario.timing.ticks())
+            .with_message(String::from(*law));
         let entries = launch::run(&plan, stop, |tick| progress.set_position(tick.max(0) as u64))?;
         progress.finish_and_clear();
         let (recording, measured) = Recording::from_transcript(scenario, &entries);
@@ -146,15 +143,4 @@ fn measure(
     place.result(FIGURE.to_owned(), |path| force_figure(&curves, path))?;
     place.result(SCENARIO.to_owned(), |_| Ok::<_, io::Error>(()))?;
     Ok(rows)
-}
-
-/// On a terminal, and nowhere else.
-fn progress(law: &str, ticks: i64) -> ProgressBar {
-    if !stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("{msg:10} {bar:40} {pos}/{len} ticks");
-    ProgressBar::new(ticks.max(0) as u64)
-        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-        .with_message(law.to_owned())
 }

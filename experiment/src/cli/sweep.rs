@@ -1,6 +1,6 @@
 //! `touchdown sweep`.
 
-use super::{Threads, compare, print, print_json, progress, threads};
+use super::{Threads, compare, print, print_json, progress_of_runs, threads};
 use anyhow::{Context, Result};
 use experiment::sweep::{Cells, Definition, Plan, Verdict, cells_csv, map_figure, names, verdicts};
 use rustix::time::{ClockId, clock_gettime};
@@ -63,7 +63,7 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     if args.fresh && file.exists() {
         std::fs::remove_file(&file).with_context(unusable)?;
     }
-    let progress = progress(plan.runs.len());
+    let progress = progress_of_runs(plan.runs.len());
     let before_s = core_time_s();
     let (outcomes, resumed) = threads(&args.threads, || {
         plan.run(&file, |runs| progress.inc(runs as u64))

@@ -1,8 +1,6 @@
 //! `touchdown tune`.
 
-use super::{
-    ScenarioArgs, Threads, configuration_hash, distinct, print, print_json, progress, threads, word,
-};
+use super::{Header, ScenarioArgs, Threads, distinct, print, print_json, progress_of_runs, threads, word};
 use anyhow::{Context, Result};
 use experiment::tuning::{Budget, Found, Tuned, parameters, tune};
 use node::scenario::{Scenario, ScenarioError};
@@ -62,9 +60,8 @@ pub(crate) struct Args {
 
 #[derive(Serialize)]
 struct Report<'a> {
-    command: &'static str,
-    scenario: &'a str,
-    configuration_hash: String,
+    #[serde(flatten)]
+    header: Header<'a>,
     evaluations: u16,
     runs: u16,
     seed: u64,
@@ -90,7 +87,7 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
         runs: args.runs.into(),
         seed: args.seed,
     };
-    let progress = progress(plan.len() * budget.evaluations);
+    let progress = progress_of_runs(plan.len() * budget.evaluations);
     let mut found = Vec::new();
     for (i, scenario) in plan.iter().enumerate() {
         progress.set_position((i * budget.evaluations) as u64);
@@ -107,9 +104,7 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     }
     if args.json {
         print_json(&Report {
-            command: "tune",
-            scenario: &source.name,
-            configuration_hash: configuration_hash(&scenario),
+            header: Header::new("tune", &source, &scenario),
             evaluations: args.evaluations,
             runs: args.runs,
             seed: args.seed,
