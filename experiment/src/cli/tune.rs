@@ -40,7 +40,7 @@ pub(crate) struct Args {
     #[arg(long, default_value_t = 120, value_name = "N", value_parser = clap::value_parser!(u16).range(4..=10_000))]
     evaluations: u16,
     /// Training runs of each point, each with a contact phase and a seed of its own; as many held-out runs
-    #[arg(long, default_value_t = 4, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    #[arg(long, default_value_t = 8, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     runs: u16,
     /// Shifts the points that the search begins with
     #[arg(long, default_value_t = 0, value_name = "N")]
