@@ -26,6 +26,7 @@
 //! | compliance adapted in contact | [`adaptation`] | V |
 //! | tool and sensor learnt from tilted rests, and the way through them | [`calibration`], [`tilting`] | (3), (4) |
 //! | assessment of the impact | [`impact`] | (13)-(18), footnote 9 |
+//! | a contact force that swings up, and the gain lowered for it | [`oscillation`] | |
 //! | whether a start can be answered for | `readiness` | |
 //! | what is asked for at run time, when, and changed smoothly | [`agenda`], `requests`, `parameters` | |
 //! | programs: steps, their order, how each begins and ends | `program`, `steps`, `motion/begin.rs` | |
@@ -51,6 +52,7 @@ pub mod law;
 pub mod limits;
 pub mod literal;
 pub mod object_model;
+pub mod oscillation;
 pub mod pairing;
 pub mod pd;
 pub mod posture;
@@ -120,6 +122,8 @@ pub struct Controller {
     newest_sample_utime: i64,
     /// Tick at which that sample came.
     heard_tick: i64,
+    /// How old that sample was then, ticks.
+    delay_ticks: i64,
     /// Tick since which the tare is taken.
     tare_since_tick: i64,
     /// The task has begun, or was kept from it: it does not begin by itself any more.
@@ -157,6 +161,7 @@ impl Controller {
             state_tick: 0,
             newest_sample_utime: i64::MIN,
             heard_tick: 0,
+            delay_ticks: 0,
             tare_since_tick: 0,
             started: !scenario.task.starts_by_itself,
             expectation: Expectation::new(scenario),
@@ -199,6 +204,7 @@ impl Controller {
             if self.sensing.usable(sample) && sample.utime > self.newest_sample_utime {
                 self.newest_sample_utime = sample.utime;
                 self.heard_tick = tick;
+                self.delay_ticks = tick - sample.utime / TICK_US;
                 self.take(sample, tick);
             }
         }
@@ -294,7 +300,8 @@ impl Controller {
             }
             _ => {}
         }
-        if self.motion.is_some() && self.silent_s(tick) > self.settings.controller.stale_fault_s {
+        let late = self.delay_ticks as f64 * TICK_S > self.settings.controller.max_sensor_delay_s;
+        if self.motion.is_some() && (late || self.silent_s(tick) > self.settings.controller.stale_fault_s) {
             return self.fail(Fault::SensorStale);
         }
         if self.fault == Fault::None {

@@ -25,6 +25,7 @@ use crate::expectation::Expectation;
 use crate::impact::ImpactMonitor;
 use crate::law::ForceControl;
 use crate::limits::Limits;
+use crate::oscillation::OscillationObserver;
 use crate::posture::Posture;
 use crate::shaping::swing::Swing;
 use crate::shaping::{Point, Shape};
@@ -35,7 +36,7 @@ use plan::{Plan, bound_lead};
 use route::{Spiral, Travel};
 use sensed::{Contact, LONGEST_BOUNCE_TICKS, Sensed};
 use spatial::kinematics::{Axes, Unreachable};
-use spatial::ports::{HORIZON, LIMIT_LEAD, Law, SampleFlags};
+use spatial::ports::{HORIZON, LIMIT_HOLD, LIMIT_LEAD, Law, SampleFlags};
 use spatial::{Compliance, Deflection, Pose};
 use statics::tcp_compliance;
 use std::f64::consts::TAU;
@@ -76,6 +77,7 @@ pub(crate) struct Motion {
     force_control: ForceControl,
     /// `None` where no assessment can be made of what is assumed, which no scenario allows.
     impact: Option<ImpactMonitor>,
+    oscillation: OscillationObserver,
     contact: Option<Contact>,
     /// The tool that no law presses any more still leaves what it touches, or comes to rest where it may touch: the tick of
     /// the newest sample that shows it, or of that rest.
@@ -145,6 +147,7 @@ impl Motion {
             detector: Detector::of(controller, noise_n),
             force_control: ForceControl::new(controller, selection, elastic),
             impact,
+            oscillation: OscillationObserver::new(&controller.oscillation),
             contact: None,
             leaving: None,
             newest: Sensed::new(&sample, &r_from_s, &posture, &compliance),
@@ -190,6 +193,7 @@ impl Motion {
             if let Some(impact) = &mut self.impact {
                 impact.contact();
             }
+            self.oscillation.forget();
             if let Some(velocity) = object_velocity {
                 self.force_control.expect(&velocity);
             }
@@ -202,6 +206,12 @@ impl Motion {
         if let Some(contact) = self.contact.as_mut().filter(|contact| !contact.released) {
             let touch = contact.touch(settings, &self.selection, &sensed);
             contact.lost = touch == Touch::Lost;
+            if self.selection.contains(NORMAL) && !self.inserts {
+                self.oscillation.take(
+                    sensed.wrench[NORMAL] - settings.desired.force.z,
+                    settings.desired.force.z,
+                );
+            }
             // Paper (12).
             let object = self.frame.coordinates(&sensed.r_from_ta1);
             let actual = self.frame.coordinates(&sensed.hanging);
@@ -236,6 +246,24 @@ impl Motion {
         self.contact.filter(|contact| !contact.released)
     }
 
+    /// Hold the set-point `commanded` in the cycle at `tick`, within `limits`: what is under way waits.
+    pub(crate) fn hold(
+        &mut self,
+        settings: &Settings,
+        limits: &mut Limits,
+        tick: i64,
+        commanded: &Axes,
+    ) -> ([Axes; HORIZON], i32) {
+        let mut held = [*commanded; HORIZON];
+        let bits = limits.apply(tick, &mut held) | LIMIT_HOLD;
+        self.wait(settings.period_ticks);
+        self.dynamics.advance(&held[0]);
+        let r_from_s = settings.kinematics.forward(&held[0]);
+        let coordinates = self.frame.coordinates(&self.posture.hanging_tcp(&r_from_s));
+        self.plan = Plan::stay(coordinates, held[0]);
+        (held, bits)
+    }
+
     /// The next set-points of the axes, one period apart, within `limits`, and the bits of the limits that bind.
     pub(crate) fn set_points(
         &mut self,
@@ -265,7 +293,7 @@ impl Motion {
                 all[NORMAL] = all[NORMAL].max(lowest);
             }
         }
-        let mut bits = self.bound(settings, limits, &mut coordinates);
+        let mut bits = self.bound(settings, limits, &mut coordinates) | self.lowered();
         let kinematics = &settings.kinematics;
         let axes = self
             .plan

@@ -141,6 +141,9 @@ impl Controller {
         self.ready(tick, state)?;
         self.started = true;
         self.collision.reset();
+        if let Some(motion) = &mut self.motion {
+            motion.restore_gain();
+        }
         if self.settings.task.kind == TaskKind::Calibrate {
             return self.begin_calibration();
         }

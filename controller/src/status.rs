@@ -69,6 +69,7 @@ impl Controller {
         status.detection.threshold_n = motion.threshold_n();
         status.force_error_n = motion.force_n() - settings.desired.force.z;
         status.impact = motion.impact();
+        status.oscillation_n = motion.oscillation_n();
         if self.phase == ControllerPhase::Approach && motion.slowed(settings) {
             status.limits |= LIMIT_VELOCITY;
         }

@@ -42,7 +42,7 @@ fn the_papers_experiment() {
         ),
         (
             &["robot.kinematics=arm", "robot.gears=elastic"],
-            "403ff18bd85083071ea7ceb18c30f213",
+            "5253872617936a3122c2d7b19ccc364e",
         ),
         (
             &[

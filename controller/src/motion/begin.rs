@@ -170,6 +170,11 @@ impl Motion {
         self.stop(settings, tick);
     }
 
+    /// The law's whole gain again, for a new start.
+    pub(crate) fn restore_gain(&mut self) {
+        self.oscillation.restore();
+    }
+
     /// Take over parameters that act in contact.
     pub(crate) fn retune(&mut self, settings: &Settings) {
         self.force_control.retune(&settings.controller);

@@ -9,6 +9,7 @@ use crate::approach::{Share, spread};
 use crate::contact::{Aim, PREVIEW, Situation};
 use crate::dofs::{Dofs, NORMAL};
 use crate::expectation::Expectation;
+use crate::law::feeds_forward;
 use crate::shaping::Point;
 use nalgebra::Vector3;
 use spatial::TICK_S;
@@ -94,7 +95,7 @@ impl Motion {
         let actual = self.frame.coordinates(&self.posture.hanging_tcp(&r_from_s));
         let desired_wrench = join(settings.desired.force, settings.desired.moment);
         let (compliance, displacement) = (self.compliance, self.desired_displacement);
-        self.force_control.demand(
+        let mut demand = self.force_control.demand(
             |dof| Aim {
                 wrench: desired_wrench[dof],
                 displacement: displacement[dof],
@@ -108,6 +109,21 @@ impl Motion {
                 reached_s: reached.map(|tick| tick as f64 * TICK_S),
                 period_s,
             },
-        )
+        );
+        // A lowered gain: of what the law asks for beyond what was asked for before, a share in each period.
+        let gain = self.oscillation.gain();
+        if gain < 1.0 {
+            let before = if feeds_forward(settings.controller.law) {
+                coordinates[0]
+            } else {
+                commanded
+            };
+            let mut left = 1.0;
+            for asked in &mut demand {
+                left *= 1.0 - gain;
+                *asked -= (*asked - before) * left;
+            }
+        }
+        demand
     }
 }

@@ -5,7 +5,7 @@ use crate::Settings;
 use crate::dofs::{Dofs, NORMAL};
 use crate::impact::ImpactMonitor;
 use nalgebra::Vector3;
-use spatial::ports::ImpactAssessment;
+use spatial::ports::{ImpactAssessment, LIMIT_GAIN};
 use spatial::{Deflection, Pose, TICK_S};
 
 /// The axes rest below that, rad/s.
@@ -32,6 +32,20 @@ impl Motion {
             self.newest.wrench[NORMAL]
         } else {
             self.newest.normal_force_n
+        }
+    }
+
+    /// Amplitude (N) of an oscillation of the contact force.
+    pub(crate) fn oscillation_n(&self) -> f64 {
+        self.oscillation.amplitude_n()
+    }
+
+    /// The bit that tells of a lowered gain.
+    pub(super) fn lowered(&self) -> i32 {
+        if self.oscillation.gain() < 1.0 {
+            LIMIT_GAIN
+        } else {
+            0
         }
     }
 

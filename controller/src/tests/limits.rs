@@ -38,6 +38,7 @@ fn scenario(law: usize, arm: bool, tight: bool) -> Scenario {
     scenario.controller.collision.enabled = false;
     scenario.task.max_contact_force_n = 1e5;
     scenario.controller.stale_fault_s = 10.0;
+    scenario.controller.max_sensor_delay_s = 10.0;
     scenario.controller.expected.search_speed_m_per_s = 0.2;
     scenario.task.approach_speed_m_per_s = 0.2;
     if arm {

@@ -2,15 +2,15 @@
 
 use super::check::{Conflicts, short};
 use super::{
-    Adaptation, AssumedGears, Collision, Cusum, ElasticLaw, ExpectedFrom, Law, Limits, ObjectMotion, Pairing,
-    Scenario, SensorOutput, Shaping, Transform, schema,
+    Adaptation, AssumedGears, Collision, Cusum, ElasticLaw, ExpectedFrom, Law, Limits, ObjectMotion,
+    Oscillation, Pairing, Scenario, SensorOutput, Shaping, Transform, schema,
 };
 
 schema::section! {
     /// The control law and what it assumes of robot, sensor and tool.
     Controller at "controller" with pd: Pd, proposed: Proposed, impedance: Impedance, ros2: Ros2, fzi: Fzi,
         expected: Expected, servo: AssumedServo, gears: AssumedGears, elastic: ElasticLaw, shaping: Shaping,
-        adaptation: Adaptation, impact: Impact, cusum: Cusum, collision: Collision, limits: Limits {
+        adaptation: Adaptation, impact: Impact, cusum: Cusum, collision: Collision, oscillation: Oscillation, limits: Limits {
         /// Control law.
         law: Law = Law::Proposed;
         /// Which actual pose is taken to belong to a deflection.
@@ -50,7 +50,9 @@ schema::section! {
         detection_fading_s: f64 = 0.2, in 1e-3..=10.0;
         /// Slow force that the sensor may show before contact, since the tare; beyond, its drift is published.
         drift_limit_n: f64 = 0.4, in 1e-3..=1e4;
-        /// How long the sensor may bring nothing new before that is a fault.
+        /// How old the newest sample may be before that is a fault; older ones are also no answer for a start.
+        max_sensor_delay_s: f64 = 0.050, in 1e-3..=10.0;
+        /// How long the sensor may bring nothing new before that is a fault; after 3 T the robot is held.
         stale_fault_s: f64 = 0.020, in 1e-3..=10.0;
         /// How many times heavier, or lighter, than tool_mass_kg the tool may look on its sensor before a start is refused.
         plausible_mass_ratio: f64 = 4.0, in 1.01..=1e3;

@@ -41,7 +41,7 @@ pub use elastic::{AssumedGears, ElasticLaw};
 pub use error::ScenarioError;
 pub use object_sensor::ObjectSensor;
 pub use program::{Program, Step, Steps};
-pub use protection::{Collision, Cusum, Limits};
+pub use protection::{Collision, Cusum, Limits, Oscillation};
 pub use robot::Drives;
 pub use schema::{Allowed, Key};
 pub use shaping::Shaping;

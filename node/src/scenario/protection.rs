@@ -34,6 +34,18 @@ schema::section! {
 }
 
 schema::section! {
+    /// Oscillations of the contact force that grow: the gain of the law is lowered for them.
+    Oscillation at "controller.oscillation" {
+        /// Whether they are looked for.
+        enabled: bool = true;
+        /// Amplitude below which nothing counts as one.
+        least_n: f64 = 2.0, in 1e-3..=1e5;
+        /// How far the gain is lowered at most, as a share of the configured one.
+        least_gain: f64 = 0.03125, in 1e-3..=1.0;
+    }
+}
+
+schema::section! {
     /// Limits of the command, kept whatever the law asks for. Set-points lead their axes: their accelerations are larger.
     Limits at "controller.limits" {
         /// Distance that is kept to the ends of the axes; negative: the ranges are assumed to be wider than they are.

@@ -86,6 +86,10 @@ pub const LIMIT_STEP_TIME: i32 = 32768;
 pub const LIMIT_STEP_SEARCH: i32 = 65536;
 /// The program's step before failed by its tolerance, or by what it touched on a free move.
 pub const LIMIT_STEP_TOLERANCE: i32 = 131072;
+/// The gain of the law is lowered, since the force oscillated and grew.
+pub const LIMIT_GAIN: i32 = 262_144;
+/// The sensor has brought nothing new for 3 T: the robot is held.
+pub const LIMIT_HOLD: i32 = 524_288;
 
 /// The statistic of contact detection and its threshold.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

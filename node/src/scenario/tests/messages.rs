@@ -7,7 +7,7 @@ const SECTIONS: &str = "[timing], [robot], [robot.gantry], [robot.arm], [sensor]
                          [task], [task.force_controlled], [program], [controller], [controller.pd], [controller.proposed], \
                          [controller.impedance], [controller.ros2], [controller.fzi], [controller.expected], [controller.servo], \
                          [controller.gears], [controller.elastic], [controller.shaping], [controller.adaptation], \
-                         [controller.impact], [controller.cusum], [controller.collision], [controller.limits]";
+                         [controller.impact], [controller.cusum], [controller.collision], [controller.oscillation], [controller.limits]";
 
 const OBJECT_KEYS: &str = "height_m, indentation_n_per_m, rebound_ratio, exponent, friction, friction_speed_m_per_s, origin_m, \
                            rotation_rad, velocity_m_per_s, swing_amplitude_m, swing_frequency_hz, swing_phase_rad, \
