@@ -110,3 +110,59 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     }
     Ok(ExitCode::SUCCESS)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Cli, Command};
+    use super::*;
+    use clap::Parser;
+
+    fn parsed(command: &str) -> Command {
+        Cli::try_parse_from(command.split_ascii_whitespace())
+            .unwrap()
+            .command
+    }
+
+    /// Every command that a report shows is one, and what it would call its configuration hash stands beside it.
+    #[test]
+    fn every_command_of_a_report_gives_its_hash() {
+        let small = "touchdown report --scenarios paper,elastic_arm,wrong_c --phases 1 --sweep smoke";
+        let Command::Report(args) = parsed(small) else {
+            panic!("{small}");
+        };
+        let tuned = compare::tuned(None).unwrap();
+        let work = Report::plan(&args.options().unwrap(), &tuned).unwrap();
+        let directory = tempfile::tempdir().unwrap();
+        let report = work
+            .run(&tuned, &directory.path().join("runs.csv"), |_| ())
+            .unwrap();
+        let sections = report.sections.iter();
+        let shown = sections.flat_map(|section| {
+            let panels = section.panels.iter().map(|panel| &panel.origin);
+            [&section.origin].into_iter().chain(panels)
+        });
+        let mut told = 0;
+        for origin in shown.chain([&report.maps.origin]) {
+            let hash = match parsed(&origin.command) {
+                Command::Run(args) => args.scenario().read().unwrap().1.hash() as u64,
+                Command::Compare(args) => args.scenario().read().unwrap().1.hash() as u64,
+                Command::Sweep(args) => args.plan().unwrap().hash(),
+                _ => panic!("{}", origin.command),
+            };
+            assert_eq!(
+                format!("{hash:016x}"),
+                origin.configuration_hash,
+                "{}",
+                origin.command
+            );
+            told += 1;
+        }
+        assert_eq!(told, 1 + 7 + 1 + 8 + 1 + 2 + 1);
+        let html = report.html().unwrap();
+        let again = html.rsplit("<code class=\"command\">").next().unwrap();
+        let Command::Report(args) = parsed(again.split('<').next().unwrap()) else {
+            panic!("{again}");
+        };
+        assert_eq!(args.options().unwrap(), report.options);
+    }
+}

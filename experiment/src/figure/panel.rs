@@ -81,7 +81,9 @@ fn draw_panel(
     chart.draw_series(points(&curve.measured).map(|point| Circle::new(point, px(2), MEASURED.filled())))?;
     chart.draw_series([line(points(&curve.curve), colour, 2)])?;
     draw_axes(&mut chart, last)?;
-    draw_figures(panel, &curve.metrics, width)
+    // Where the force ends, there is no room for words.
+    let above = desired - force_n.start < 0.6 * (force_n.end - force_n.start);
+    draw_figures(panel, &curve.metrics, width, above)
 }
 
 fn draw_axes(chart: &mut Chart<'_, '_>, last: bool) -> Drawn {
@@ -103,8 +105,8 @@ fn draw_axes(chart: &mut Chart<'_, '_>, last: bool) -> Drawn {
     Ok(mesh.draw()?)
 }
 
-/// The figures of the run in the panel's upper right corner.
-fn draw_figures(panel: &Area<'_>, metrics: &Metrics, width: i32) -> Drawn {
+/// The figures of the run on the panel's right, `above` the force where it ends or below.
+fn draw_figures(panel: &Area<'_>, metrics: &Metrics, width: i32, above: bool) -> Drawn {
     let lines = [
         format!("peak {:.1} N", metrics.peak_n),
         settled(10, metrics.settling_10_s),
@@ -112,8 +114,13 @@ fn draw_figures(panel: &Area<'_>, metrics: &Metrics, width: i32) -> Drawn {
         format!("IAE {:.3} N s", metrics.iae_n_s),
     ];
     let right = Pos::new(HPos::Right, VPos::Top);
+    let top = if above {
+        TITLE_HEIGHT + 8
+    } else {
+        PANEL_HEIGHT - BOTTOM - 8 - 4 * 19
+    };
     for (i, text) in lines.iter().enumerate() {
-        let at = (width - RIGHT - 10, TITLE_HEIGHT + 8 + 19 * i as i32);
+        let at = (width - RIGHT - 10, top + 19 * i as i32);
         panel.draw(&label(text, at, SMALL, right, INK))?;
     }
     Ok(())

@@ -67,7 +67,7 @@ impl Report {
                 nav aria-label="Contents" { ul {
                     li { a href="#read" { "How to read this" } }
                     @for section in shoot_outs {
-                        li { a href=(format!("#{}", anchor(&section.scenario))) { "Laws on " (spoken(&section.scenario)) } }
+                        li { a href=(format!("#{}", anchor(&section.scenario))) { "Laws on a " (plant(section)) } }
                     }
                     @if self.sections.len() > shoot_outs.len() { li { a href="#scenarios" { "Scenarios" } } }
                     li { a href="#maps" { "Maps" } }
@@ -208,7 +208,7 @@ fn how_to_read() -> Markup {
             dt { "IAE" } dd { "Force error added up over 1.5 s: one number for fast and accurate. Smaller is better, as with all of them." }
             dt { "steady error" } dd { "How far the true force is from the target in the end." }
             dt { "orientation" } dd { "How far the tool turned, at most and in the end." }
-            dt { "21.2 \u{b1} 0.4, worst 22.3" } dd { "Mean over contact phases and seeds, with its 95 % confidence; below it the worst run. "
+            dt { "a \u{b1} b, worst c" } dd { "Mean over contact phases and seeds, with its 95 % confidence; below it the worst run. "
                 "A contact falls where it likes between two commands of the robot, and a single run shows luck." }
             dt { "default, tuned" } dd { "As configured or, for peers, as published; and tuned for this robot by the same criterion "
                 "and budget for every law (" code { "touchdown tune" } "). Untuned laws prove nothing." }
@@ -256,7 +256,7 @@ fn shoot_out(section: &Section) -> Result<Markup, FigureError> {
         }
     }
     Ok(html! {
-        h2 id=(anchor(&section.scenario)) { "All laws on one plant: " (spoken(&section.scenario)) }
+        h2 id=(anchor(&section.scenario)) { "All laws on one plant: " (plant(section)) }
         p { (prose(&section.about)) }
         (ranking_legend())
         div.panels {
@@ -299,7 +299,7 @@ fn tile(section: &Section) -> Option<Markup> {
     let [settling, peak] =
         ["set10 ms", "peak N"].map(|header| FIGURES.iter().find(|figure| figure.0 == header));
     let (settling, peak) = (settling?, peak?);
-    let (law, name) = (&section.law, spoken(&section.scenario));
+    let (law, name) = (&section.law, plant(section));
     Some(html! {
         div { b { (number(ratio, 1)) "\u{d7}" }
             span { "less force error: " code { (law) } " against a tuned " code { "pd" } ", " (name) } }
@@ -346,6 +346,14 @@ fn spoken(scenario: &str) -> String {
         .unwrap_or(scenario)
         .trim_end_matches(".toml")
         .replace('_', " ")
+}
+
+/// What a section's laws act on: `rigid gantry`.
+fn plant(section: &Section) -> String {
+    match section.comparison.rows.first() {
+        Some(row) => format!("{} {}", row.robot, row.kinematics),
+        None => spoken(&section.scenario),
+    }
 }
 
 /// The same inside an address.
