@@ -133,7 +133,9 @@ impl ElasticModel {
         let mut known = self.moved(&Inner::zeros(), &(sampled * before));
         // ... then the motors ...
         let yielded = |column: &dyn Fn(usize) -> C| {
-            (0..6).fold(none, |sum, axis| sum + column(DEVIATION + axis) * plant.tcp_per_axis[axis])
+            (0..6).fold(none, |sum, axis| {
+                sum + column(DEVIATION + axis) * plant.tcp_per_axis[axis]
+            })
         };
         let missed = |error: C, column: &mut dyn FnMut(usize, C)| {
             for axis in 0..6 {
@@ -149,9 +151,8 @@ impl ElasticModel {
         let error = readings[1] - sampled[0] - yielded(&|i| known[i]);
         missed(error, &mut |i, part| known[i] += part);
         // ... and Kalman's correction by the deflection.
-        let shown = |column: &dyn Fn(usize) -> C| {
-            (0..INNER).fold(none, |sum, i| sum + column(i) * plant.seen[i])
-        };
+        let shown =
+            |column: &dyn Fn(usize) -> C| (0..INNER).fold(none, |sum, i| sum + column(i) * plant.seen[i]);
         let mut by_state = SVector::<C, ALL>::from_fn(|j, _| -shown(&|i| moved[(i, j)]));
         by_state[INNER] += before * plant.seen[POSITION];
         let by_reading = [
