@@ -14,6 +14,7 @@ pub mod launch;
 pub mod linear;
 pub mod metrics;
 pub mod out;
+pub mod program;
 pub mod report;
 pub mod run_port;
 pub mod scenarios;
