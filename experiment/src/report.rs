@@ -1,6 +1,6 @@
 //! The report: laws, scenarios and maps as one HTML file that needs nothing but a browser.
 //!
-//! All of it is computed when it is written: [`Report::gather`] runs every comparison and the sweep, [`Report::html`]
+//! All of it is computed when it is written: [`Work::run`] runs every comparison and the sweep, [`Report::html`]
 //! shows them. Beside every figure and table stands its [`Origin`]: the command that makes it again, the hash of its
 //! configuration, and its seeds. The file is the same whatever the number of threads.
 
