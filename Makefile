@@ -15,7 +15,7 @@ tuned_laws := pd,pd-reset,proposed,impedance,ros2,fzi
 # Default and tuned rows, all laws.
 both := --gains default,tuned --laws $(all_laws)
 
-.PHONY: help demo laws tune maps elastic free-motion test bits bench doctor check format lint doc clean
+.PHONY: help demo report laws tune maps elastic free-motion test bits bench doctor check format lint doc clean
 
 help: ## list the targets (default)
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 13
@@ -23,6 +23,10 @@ help: ## list the targets (default)
 demo: ## the paper's experiment with both laws, as three processes over LCM: table, figure, data in target/demo
 	@$(build)
 	@$(touchdown) run elastic_arm --laws elastic,pd --out target/demo
+
+report: ## laws, scenarios and maps as one HTML file: target/report/report.html
+	@$(build)
+	@$(touchdown) report
 
 laws: ## every law on every robot over contact phases and seeds: docs/laws.txt
 	@$(build)

@@ -79,6 +79,14 @@ impl Design {
             period_s: scenario.timing.command_period_ticks as f64 * TICK_S,
         })
     }
+
+    /// The hypothesis that is nearest to gears `ratio` times as fast as they are assumed.
+    pub fn nearest(&self, ratio: f64) -> &Plant {
+        let spread = self.parameters.mode_spread;
+        let off = if spread > 0.0 { (ratio - 1.0) / spread } else { 0.0 };
+        let last = (HYPOTHESES - 1) as f64;
+        &self.plants[libm::rint(0.5 * last * (1.0 + off)).clamp(0.0, last) as usize]
+    }
 }
 
 /// The law along the normal.

@@ -89,6 +89,15 @@ pub fn force_figure(curves: &[LabelledCurve], path: &Path) -> Result<(), FigureE
     })
 }
 
+/// A figure of its own for each of `curves`, `width` px wide, all of them with the same forces, as SVG. What the lines mean
+/// is left to whoever shows them.
+pub(crate) fn force_panels(curves: &[LabelledCurve], width: i32) -> Result<Vec<String>, FigureError> {
+    let force_n = force_range(curves).ok_or(FigureError::Empty)?;
+    let single = |(i, curve)| panel::single(curve, i, &force_n, width);
+    let panels: Result<_, _> = curves.iter().enumerate().map(single).collect();
+    panels.map_err(|error| FigureError::Draw(error.to_string()))
+}
+
 fn draw(curves: &[LabelledCurve]) -> Result<String, FigureError> {
     let force_n = force_range(curves).ok_or(FigureError::Empty)?;
     panel::draw(curves, &force_n).map_err(|error| FigureError::Draw(error.to_string()))

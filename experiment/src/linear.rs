@@ -7,6 +7,7 @@
 //! bounces (a contact that presses steadily moves on its rebound branch, c_re), noise, the tilt after the contact, the
 //! tool's weight as a pendulum.
 
+mod elastic;
 mod laws;
 mod margins;
 mod plant;
@@ -74,8 +75,8 @@ pub struct Loop {
 }
 
 impl Loop {
-    /// The loop of `scenario` in contact; `None` for a law that has no linear model here, or a robot that does not reach
-    /// the object.
+    /// The loop of `scenario` in contact; `None` for a law that can't be regulated as it is assumed, or a robot that does
+    /// not reach the object.
     pub fn new(scenario: &Scenario) -> Option<Self> {
         Self::close(&Response::new(scenario)?, scenario)
     }

@@ -5,7 +5,7 @@ use std::io;
 use std::path::PathBuf;
 
 /// Name and text of every built-in scenario.
-const BUILT_IN: [(&str, &str); 11] = [
+const BUILT_IN: [(&str, &str); 19] = [
     ("paper", include_str!("../scenarios/paper.toml")),
     ("arm", include_str!("../scenarios/arm.toml")),
     ("elastic", include_str!("../scenarios/elastic.toml")),
@@ -17,6 +17,14 @@ const BUILT_IN: [(&str, &str); 11] = [
     ("screws", include_str!("../scenarios/screws.toml")),
     ("peg", include_str!("../scenarios/peg.toml")),
     ("car_body", include_str!("../scenarios/car_body.toml")),
+    ("lever_0", include_str!("../scenarios/lever_0.toml")),
+    ("lever_200", include_str!("../scenarios/lever_200.toml")),
+    ("stiff", include_str!("../scenarios/stiff.toml")),
+    ("soft", include_str!("../scenarios/soft.toml")),
+    ("slow_sensor", include_str!("../scenarios/slow_sensor.toml")),
+    ("delayed_sensor", include_str!("../scenarios/delayed_sensor.toml")),
+    ("wrong_c", include_str!("../scenarios/wrong_c.toml")),
+    ("fast", include_str!("../scenarios/fast.toml")),
 ];
 
 /// The text of a scenario and where it comes from.
@@ -117,8 +125,9 @@ mod tests {
     fn what_does_not_exist_is_refused_with_what_does() {
         assert_eq!(
             Source::find("papre").unwrap_err().to_string(),
-            "unknown scenario \"papre\"; the built-in ones are: paper, arm, elastic, elastic_arm, expected, face, conveyor, insert, screws, peg, car_body; \
-             a path works too: it contains a / or ends with .toml"
+            "unknown scenario \"papre\"; the built-in ones are: paper, arm, elastic, elastic_arm, expected, face, conveyor, \
+             insert, screws, peg, car_body, lever_0, lever_200, stiff, soft, slow_sensor, delayed_sensor, wrong_c, fast; a path \
+             works too: it contains a / or ends with .toml"
         );
         let missing = Source::find("missing.toml").unwrap_err().to_string();
         assert!(

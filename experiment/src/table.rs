@@ -51,9 +51,9 @@ pub struct Table<'a>(pub &'a [Row]);
 pub struct MoreFigures<'a>(pub &'a [Row]);
 
 /// Header, factor from the SI unit to the header's, decimals, and which of [`Metrics`].
-type Figure = (&'static str, f64, usize, fn(&Metrics) -> f64);
+pub(crate) type Figure = (&'static str, f64, usize, fn(&Metrics) -> f64);
 
-const FIGURES: [Figure; 7] = [
+pub(crate) const FIGURES: [Figure; 7] = [
     ("peak N", 1.0, 1, |m| m.peak_n),
     ("set10 ms", 1e3, 0, |m| m.settling_10_s),
     ("set2 ms", 1e3, 0, |m| m.settling_2_s),
@@ -63,7 +63,7 @@ const FIGURES: [Figure; 7] = [
     ("end mrad", 1e3, 3, |m| m.orientation_end_rad),
 ];
 
-const MORE: [Figure; 9] = [
+pub(crate) const MORE: [Figure; 9] = [
     ("overshoot %", 1e2, 0, |m| m.overshoot_ratio),
     ("set5 ms", 1e3, 0, |m| m.settling_5_s),
     ("impulse above N s", 1.0, 3, |m| m.impulse_above_n_s),

@@ -1,6 +1,7 @@
 //! Sweeps and tuned gains: the same bytes whatever the threads, nothing run twice, and no grid that finds better gains.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
+use experiment::linear::Loop;
 use experiment::scenarios::Source;
 use experiment::sweep::{Cells, Definition, HEADER, Plan, cells_csv, map_figure, verdicts};
 use experiment::tuning::{Entry, Gains, Set, Tuned, judge, parameters};
@@ -138,6 +139,39 @@ fn no_coarse_grid_finds_better_gains_for_the_peers() {
         println!("{law}: tuned {found}, grid {best}");
         assert!(found <= 1.05 * best, "{law}: tuned {found}, grid {best}");
     }
+}
+
+/// The margins that stand beside tuned gains are those of their loops: `make tune` writes the same.
+#[test]
+fn the_margins_of_tuned_gains_are_those_of_their_loops() {
+    let round = |value: f64| format!("{value:.3}");
+    let mut wrong = Vec::new();
+    for entry in Tuned::built_in().unwrap().tuned {
+        let overrides = [format!("controller.law={}", entry.law)];
+        let scenario = Source::find(&entry.scenario)
+            .unwrap()
+            .scenario(&overrides)
+            .unwrap();
+        let scenario = Tuned::built_in()
+            .unwrap()
+            .apply(Gains::Tuned, &scenario)
+            .unwrap()
+            .unwrap();
+        let margins = Loop::new(&scenario).unwrap().margins();
+        let found = [margins.gain_margin, margins.phase_margin_rad].map(round);
+        let told =
+            [entry.gain_margin, entry.phase_margin_rad].map(|margin| margin.map_or("none".to_owned(), round));
+        if found != told {
+            let Entry {
+                law,
+                robot,
+                kinematics,
+                ..
+            } = entry;
+            wrong.push(format!("{law} on {robot} {kinematics}: {found:?}, not {told:?}"));
+        }
+    }
+    assert_eq!(wrong, Vec::<String>::new());
 }
 
 /// What the README claims of the laws' order after tuning, and of the maps' size.

@@ -8,14 +8,14 @@ use node::scenario;
 use spatial::TICK_S;
 
 /// Modes and object.
-const ESTIMATED: usize = MODAL + 1;
+pub const ESTIMATED: usize = MODAL + 1;
 /// How well the object and the modes are known at the first contact, m: as far as the tool swings in free motion.
 const OBJECT_AT_FIRST_M: f64 = 2e-4;
 const MODE_AT_FIRST_M: f64 = 3e-5;
 /// How far the object's estimate wanders in a tick, m.
 const OBJECT_WANDERS_M: f64 = 1e-8;
 /// How much of an error the observer of the motors takes away in a tick, of their way and of their speed.
-const MOTOR_GAINS: [f64; 2] = [0.6, 0.2];
+pub const MOTOR_GAINS: [f64; 2] = [0.6, 0.2];
 
 /// What one sample says along the normal.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -90,18 +90,41 @@ impl Observer {
         }
     }
 
-    /// Kalman's correction by the deflection that is measured, m.
-    fn correct(&mut self, plant: &Plant, noise: f64, deflection: f64) {
+    /// What an error of the deflection corrects of modes and object after `ticks` of contact, m per m (of rates: 1/s).
+    pub fn gain_after(
+        plant: &Plant,
+        parameters: &scenario::ElasticLaw,
+        ticks: usize,
+    ) -> SVector<f64, ESTIMATED> {
+        let mut observer = Self::new(plant, &Waypoint::default());
+        let mut gain = SVector::zeros();
+        for _ in 0..ticks {
+            observer.spread(plant, parameters);
+            let (shared, variance) = observer.gain(plant, parameters.deflection_noise_m);
+            gain = shared / variance;
+        }
+        gain
+    }
+
+    /// Kalman's gain for the deflection with this `noise` (m) times the variance of its prediction, and that variance,
+    /// m^2; the covariance is that of afterwards.
+    fn gain(&mut self, plant: &Plant, noise: f64) -> (SVector<f64, ESTIMATED>, f64) {
         let mut seen = SVector::<f64, ESTIMATED>::zeros();
         for i in 0..MODES {
             seen[2 * i] = 1.0;
         }
         seen[MODAL] = -plant.share();
-        let error = deflection - (plant.seen * self.state)[0];
         let shared = self.covariance * seen;
         let variance = seen.dot(&shared) + noise * noise;
-        let correction = shared * (error / variance);
         self.covariance -= shared * shared.transpose() / variance;
+        (shared, variance)
+    }
+
+    /// Kalman's correction by the deflection that is measured, m.
+    fn correct(&mut self, plant: &Plant, noise: f64, deflection: f64) {
+        let error = deflection - (plant.seen * self.state)[0];
+        let (shared, variance) = self.gain(plant, noise);
+        let correction = shared * (error / variance);
         self.object += correction[MODAL];
         for i in 0..MODAL {
             self.state[i] += correction[i] - plant.rest[i] * correction[MODAL];

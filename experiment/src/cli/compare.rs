@@ -57,6 +57,14 @@ struct Report<'a> {
     comparison: &'a Comparison,
 }
 
+#[cfg(test)]
+impl Args {
+    /// What it is about.
+    pub(super) fn scenario(&self) -> &ScenarioArgs {
+        &self.scenario
+    }
+}
+
 pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     distinct("--robots", &args.robots)?;
     distinct("--kinematics", &args.kinematics)?;

@@ -9,6 +9,7 @@ mod detection;
 mod doctor;
 mod free_motion;
 mod impact;
+mod report;
 mod run;
 mod sweep;
 mod task;
@@ -20,6 +21,7 @@ use controller::impact::ImpactError;
 use experiment::bound::BoundError;
 use experiment::impact::LibraryError;
 use experiment::launch::LaunchError;
+use experiment::report::ReportError;
 pub(crate) use experiment::scenarios::word;
 use experiment::scenarios::{Source, SourceError};
 use experiment::sweep::SweepError;
@@ -64,6 +66,7 @@ enum Command {
     Compare(compare::Args),
     Tune(tune::Args),
     Sweep(sweep::Args),
+    Report(report::Args),
     Calibrate(calibrate::Args),
     Impact(Box<impact::Args>),
     FreeMotion(free_motion::Args),
@@ -153,6 +156,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Compare(args) => compare::run(args),
         Command::Tune(args) => tune::run(args),
         Command::Sweep(args) => sweep::run(args),
+        Command::Report(args) => report::run(args),
         Command::Calibrate(args) => calibrate::run(args),
         Command::Impact(args) => impact::run(args),
         Command::FreeMotion(args) => free_motion::run(args),
@@ -180,6 +184,7 @@ pub(crate) fn main() -> ExitCode {
                 || cause.is::<TuningError>()
                 || cause.is::<SweepError>()
                 || cause.is::<BoundError>()
+                || cause.is::<ReportError>()
         };
         let wrong_usage = error.chain().any(configuration);
         ExitCode::from(if wrong_usage { WRONG_USAGE } else { FAILED })

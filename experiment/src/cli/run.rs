@@ -67,6 +67,14 @@ const FIGURE: &str = "force.svg";
 /// The scenario's name.
 const SCENARIO: &str = "scenario.toml";
 
+#[cfg(test)]
+impl Args {
+    /// What it is about.
+    pub(super) fn scenario(&self) -> &ScenarioArgs {
+        &self.scenario
+    }
+}
+
 pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     distinct("--laws", &args.laws)?;
     let (source, scenario) = args.scenario.read()?;

@@ -23,6 +23,9 @@ pub(crate) struct Args {
     /// Directory of what comes out [default: target/sweep/ and the sweep's name]
     #[arg(long, value_name = "DIRECTORY")]
     out: Option<PathBuf>,
+    /// Contact phases of each cell [default: the sweep's]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    phases: Option<u16>,
     /// Begin anew: forget the runs that are there
     #[arg(long)]
     fresh: bool,
@@ -40,6 +43,7 @@ pub(crate) struct Args {
 struct Report<'a> {
     command: &'static str,
     sweep: &'a str,
+    configuration_hash: String,
     directory: String,
     runs: usize,
     runs_resumed: usize,
@@ -49,10 +53,18 @@ struct Report<'a> {
     maps: &'a [Verdict],
 }
 
+impl Args {
+    /// The runs that are asked for.
+    pub(super) fn plan(&self) -> Result<Plan> {
+        let mut definition = Definition::find(&self.sweep)?;
+        definition.phases = self.phases.map_or(definition.phases, usize::from);
+        let tuned = compare::tuned(self.tuned.as_deref())?;
+        Ok(Plan::new(definition, &tuned)?)
+    }
+}
+
 pub(crate) fn run(args: &Args) -> Result<ExitCode> {
-    let definition = Definition::find(&args.sweep)?;
-    let tuned = compare::tuned(args.tuned.as_deref())?;
-    let plan = Plan::new(definition, &tuned)?;
+    let plan = args.plan()?;
     let directory = args.out.clone().unwrap_or_else(|| {
         let name = args.sweep.rsplit('/').next().unwrap_or(&args.sweep);
         PathBuf::from("target/sweep").join(name.trim_end_matches(".toml"))
@@ -84,6 +96,7 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     let report = Report {
         command: "sweep",
         sweep: &args.sweep,
+        configuration_hash: format!("{:016x}", plan.hash()),
         directory: directory.display().to_string(),
         runs: plan.runs.len(),
         runs_resumed: resumed,

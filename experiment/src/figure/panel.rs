@@ -27,6 +27,13 @@ pub(super) fn draw(curves: &[LabelledCurve], force_n: &Range<f64>) -> Drawn<Stri
     svg(WIDTH, height, |root| draw_all(root, curves, force_n))
 }
 
+/// The panel of `curve`, the `index`th of several, alone, without a legend.
+pub(super) fn single(curve: &LabelledCurve, index: usize, force_n: &Range<f64>, width: i32) -> Drawn<String> {
+    svg(width, PANEL_HEIGHT + AXIS_HEIGHT, |root| {
+        draw_panel(root, curve, colour(&curve.law, index), force_n, (width, true))
+    })
+}
+
 fn draw_all(root: &Area<'_>, curves: &[LabelledCurve], force_n: &Range<f64>) -> Drawn {
     let (legend, mut rest) = root.split_vertically(px(LEGEND_HEIGHT));
     draw_legend(&legend)?;
@@ -34,7 +41,7 @@ fn draw_all(root: &Area<'_>, curves: &[LabelledCurve], force_n: &Range<f64>) -> 
         let last = i + 1 == curves.len();
         let height = PANEL_HEIGHT + if last { AXIS_HEIGHT } else { 0 };
         let (panel, below) = rest.split_vertically(px(height));
-        draw_panel(&panel, curve, colour(&curve.law, i), force_n, last)?;
+        draw_panel(&panel, curve, colour(&curve.law, i), force_n, (WIDTH, last))?;
         rest = below;
     }
     Ok(())
@@ -45,7 +52,7 @@ fn draw_panel(
     curve: &LabelledCurve,
     colour: RGBColor,
     force_n: &Range<f64>,
-    last: bool,
+    (width, last): (i32, bool),
 ) -> Drawn {
     let left = Pos::new(HPos::Left, VPos::Top);
     panel.draw(&label(&curve.title, (LEFT, 6), LARGE, left, colour))?;
@@ -74,7 +81,9 @@ fn draw_panel(
     chart.draw_series(points(&curve.measured).map(|point| Circle::new(point, px(2), MEASURED.filled())))?;
     chart.draw_series([line(points(&curve.curve), colour, 2)])?;
     draw_axes(&mut chart, last)?;
-    draw_figures(panel, &curve.metrics)
+    // Where the force ends, there is no room for words.
+    let above = desired - force_n.start < 0.6 * (force_n.end - force_n.start);
+    draw_figures(panel, &curve.metrics, width, above)
 }
 
 fn draw_axes(chart: &mut Chart<'_, '_>, last: bool) -> Drawn {
@@ -96,8 +105,8 @@ fn draw_axes(chart: &mut Chart<'_, '_>, last: bool) -> Drawn {
     Ok(mesh.draw()?)
 }
 
-/// The figures of the run in the panel's upper right corner.
-fn draw_figures(panel: &Area<'_>, metrics: &Metrics) -> Drawn {
+/// The figures of the run on the panel's right, `above` the force where it ends or below.
+fn draw_figures(panel: &Area<'_>, metrics: &Metrics, width: i32, above: bool) -> Drawn {
     let lines = [
         format!("peak {:.1} N", metrics.peak_n),
         settled(10, metrics.settling_10_s),
@@ -105,8 +114,13 @@ fn draw_figures(panel: &Area<'_>, metrics: &Metrics) -> Drawn {
         format!("IAE {:.3} N s", metrics.iae_n_s),
     ];
     let right = Pos::new(HPos::Right, VPos::Top);
+    let top = if above {
+        TITLE_HEIGHT + 8
+    } else {
+        PANEL_HEIGHT - BOTTOM - 8 - 4 * 19
+    };
     for (i, text) in lines.iter().enumerate() {
-        let at = (WIDTH - RIGHT - 10, TITLE_HEIGHT + 8 + 19 * i as i32);
+        let at = (width - RIGHT - 10, top + 19 * i as i32);
         panel.draw(&label(text, at, SMALL, right, INK))?;
     }
     Ok(())

@@ -1,5 +1,6 @@
 //! What the laws make of what they see, over frequency.
 
+use super::elastic::ElasticModel;
 use super::plant::Seen;
 use nalgebra::Complex;
 use node::scenario::{Controller, Law, Scenario};
@@ -24,21 +25,24 @@ pub(super) struct LawModel {
     period_s: f64,
     /// Assumed compliance of the tcp along the normal, m/N.
     compliance: f64,
+    /// The law `elastic`.
+    elastic: Option<ElasticModel>,
 }
 
 impl LawModel {
-    /// The law of `scenario`; `None`: it has no linear model here.
+    /// The law of `scenario`; `None`: what it assumes can't be regulated.
     pub(super) fn new(scenario: &Scenario) -> Option<Self> {
         let controller = scenario.controller.clone();
         let [x, y, _] = controller.tcp_in_s_m;
-        let known = matches!(
-            controller.law,
-            Law::Pd | Law::PdReset | Law::Literal | Law::Proposed | Law::Impedance | Law::Ros2 | Law::Fzi
-        );
-        known.then_some(Self {
+        let elastic = match controller.law {
+            Law::Elastic => Some(ElasticModel::new(scenario)?),
+            _ => None,
+        };
+        Some(Self {
             compliance: controller.compliance_m_per_n + (x * x + y * y) * controller.compliance_rad_per_nm,
             period_s: scenario.timing.command_period_ticks as f64 * TICK_S,
             controller,
+            elastic,
         })
     }
 
@@ -46,12 +50,16 @@ impl LawModel {
     pub(super) fn integrators(&self) -> usize {
         match self.controller.law {
             Law::Pd | Law::PdReset | Law::Ros2 => 1,
+            Law::Elastic => ElasticModel::INTEGRATORS,
             _ => 0,
         }
     }
 
     /// The answer at `s` to what is `seen`.
     pub(super) fn answer(&self, s: C, seen: &Seen) -> Answer {
+        if let Some(elastic) = &self.elastic {
+            return elastic.answer(s, seen);
+        }
         let one = C::from(1.0);
         let before = (-s * self.period_s).exp();
         let force = seen.deflection / self.compliance;

@@ -1,5 +1,6 @@
 use super::*;
 use crate::scenarios::Source;
+use crate::tuning::{Gains, Tuned};
 
 fn margins(name: &str, overrides: &[&str]) -> Margins {
     let overrides: Vec<String> = overrides.iter().map(|&text| text.to_owned()).collect();
@@ -39,6 +40,34 @@ fn what_the_simulations_find_unstable_is_predicted_so() {
     assert!(stable(&[literal, arrival, "sensor.delay_ticks=16"]));
     assert!(!stable(&[literal, arrival, "sensor.delay_ticks=36"]));
     assert!(stable(&[literal, "sensor.delay_ticks=36"]));
+}
+
+/// The law behind elastic gears, tuned, is stable with the gears that it assumes, with gears 15 % off, and with longer
+/// periods; with gears more than twice as stiff and a period of 1 or 2 ms it is not, as the map `gears` shows.
+#[test]
+fn the_law_behind_elastic_gears_has_a_border_too() {
+    let tuned = Tuned::built_in().unwrap();
+    let found = |ticks: i64, mode_hz: f64| {
+        let modes = [14.0, 14.0, 14.0, 20.0, 20.0, 20.0].map(|hz| hz * mode_hz / 14.0);
+        let overrides = [
+            format!("timing.command_period_ticks={ticks}"),
+            format!("robot.gantry.gear_frequency_hz={modes:?}"),
+            "robot.integration_step_s=5e-4".to_owned(),
+        ];
+        let scenario = Source::find("elastic").unwrap().scenario(&overrides).unwrap();
+        let scenario = tuned.apply(Gains::Tuned, &scenario).unwrap().unwrap();
+        Loop::new(&scenario).unwrap().margins()
+    };
+    for (ticks, mode_hz) in [(4, 14.0), (4, 11.9), (4, 16.1), (8, 14.0), (1, 14.0), (2, 20.0)] {
+        let margins = found(ticks, mode_hz);
+        assert!(
+            margins.stable && margins.phase_margin_rad > 0.5,
+            "{ticks} ms, {mode_hz} Hz: {margins:?}"
+        );
+    }
+    for (ticks, mode_hz) in [(1, 30.0), (1, 40.0), (2, 40.0)] {
+        assert!(!found(ticks, mode_hz).stable, "{ticks} ms, {mode_hz} Hz");
+    }
 }
 
 /// A set-point that stays is reached, whatever robot and gears are.

@@ -148,6 +148,14 @@ impl Plan {
         Ok(Self { definition, runs })
     }
 
+    /// One number for all runs, of their configurations' hashes in their order (FNV-1a).
+    pub fn hash(&self) -> u64 {
+        let bytes = self.runs.iter().flat_map(|run| run.scenario.hash().to_be_bytes());
+        bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+            (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3)
+        })
+    }
+
     /// Simulated time of all runs, s.
     pub fn simulated_s(&self) -> f64 {
         self.runs.iter().map(|run| run.scenario.timing.duration_s).sum()

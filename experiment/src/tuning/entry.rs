@@ -115,24 +115,28 @@ impl Tuned {
         })
     }
 
-    /// `scenario` with these gains; `None`: its law has nothing to tune.
-    pub fn apply(&self, gains: Gains, scenario: &Scenario) -> Result<Option<Scenario>, TuningError> {
+    /// The texts that put the gains of the law of `scenario` into it.
+    pub fn overrides(&self, scenario: &Scenario) -> Result<Vec<String>, TuningError> {
         let law = scenario.controller.law;
-        match gains {
-            Gains::Default => return Ok(Some(scenario.clone())),
-            Gains::Tuned if parameters(law).is_empty() => return Ok(None),
-            Gains::Tuned => {}
-        }
         let robot = crate::scenarios::word(scenario.robot.gears);
         let kinematics = crate::scenarios::word(scenario.robot.kinematics);
         let key = (robot.as_str(), kinematics.as_str(), law_word(law));
         match self.tuned.iter().find(|entry| entry.key() == key) {
-            Some(entry) => Ok(Some(scenario.with(&space::overrides(&entry.values))?)),
+            Some(entry) => Ok(space::overrides(&entry.values)),
             None => Err(TuningError::Missing {
                 law: law_word(law).to_owned(),
                 robot,
                 kinematics,
             }),
+        }
+    }
+
+    /// `scenario` with these gains; `None`: its law has nothing to tune.
+    pub fn apply(&self, gains: Gains, scenario: &Scenario) -> Result<Option<Scenario>, TuningError> {
+        match gains {
+            Gains::Default => Ok(Some(scenario.clone())),
+            Gains::Tuned if parameters(scenario.controller.law).is_empty() => Ok(None),
+            Gains::Tuned => Ok(Some(scenario.with(&self.overrides(scenario)?)?)),
         }
     }
 
