@@ -10,6 +10,7 @@
 //! | free motion that leaves nothing swinging | [`shaping`], [`approach`] | VI |
 //! | contact or not; collision | [`detection`], [`collision`] | V |
 //! | limits of the command | [`limits`] | |
+//! | commands that are lost | [`delivery`] | |
 //! | between sensor and tcp | [`transform`] | (3)-(12) |
 //! | force controlled or not, per degree of freedom | [`dofs`] | III |
 //! | the laws behind one interface | [`law`] | |
@@ -33,6 +34,7 @@ pub mod calibration;
 pub mod collision;
 pub mod command_dynamics;
 pub mod contact;
+pub mod delivery;
 pub mod detection;
 pub mod disturbance;
 pub mod dofs;
@@ -64,6 +66,7 @@ mod settings;
 mod status;
 
 use collision::CollisionWatch;
+use delivery::Delivery;
 use expectation::Expectation;
 use limits::Limits;
 use motion::{Motion, Sample};
@@ -109,6 +112,7 @@ pub struct Controller {
     /// The way of a calibration, until it is done.
     tilting: Option<Tilting>,
     collision: CollisionWatch,
+    delivery: Delivery,
     /// The last stage before a command leaves.
     bounds: Limits,
     /// Bits of the limits that bind.
@@ -136,6 +140,7 @@ impl Controller {
             commanded: Axes::zeros(),
             motion: None,
             tilting: None,
+            delivery: Delivery::new(scenario.timing.command_period_ticks),
             bounds: Limits::new(scenario, &Axes::zeros()),
             limits: 0,
         }
@@ -173,7 +178,14 @@ impl Controller {
             motion.plan(&self.settings, &compliance);
         }
         self.change_phase(tick);
+        if let Some(followed) = self.delivery.followed(tick, state.command_step) {
+            self.bounds.follow(followed.set_points());
+            if let Some(motion) = &mut self.motion {
+                motion.follow(&self.settings, tick, followed.set_points());
+            }
+        }
         let axis_position = self.set_points(tick, &state.axis_position[0]);
+        self.delivery.send(tick, &axis_position);
         Outputs {
             command: self.command(tick, axis_position),
             status: self.status(tick),

@@ -52,6 +52,8 @@ pub(crate) struct Motion {
     /// The way to the object, once the approach has begun.
     path: Option<Path>,
     dynamics: CommandDynamics,
+    /// The same before the set-point sent last.
+    before: CommandDynamics,
     /// Where the servos have yielded to when the next set-point begins to act.
     disturbance: Disturbance,
     detector: Detector,
@@ -96,6 +98,13 @@ impl Motion {
         let compliance = tcp_compliance(&settings.compliance, &posture, &r_from_s, &selection);
         let noise_n = noise_m / compliance.along(NORMAL);
         let elastic = settings.elastic.clone().map(Elastic::new);
+        let dynamics = CommandDynamics::new(
+            controller.filter_frequency_hz,
+            controller.filter_damping,
+            controller.acceleration_limit_rad_per_s2.into(),
+            settings.period_ticks,
+            *start,
+        );
         Self {
             frame,
             selection,
@@ -106,13 +115,8 @@ impl Motion {
             swing,
             shape: Shape::new(&controller.shaping, &swing),
             path: None,
-            dynamics: CommandDynamics::new(
-                controller.filter_frequency_hz,
-                controller.filter_damping,
-                controller.acceleration_limit_rad_per_s2.into(),
-                settings.period_ticks,
-                *start,
-            ),
+            dynamics,
+            before: dynamics,
             disturbance: Disturbance::new(&controller.servo),
             detector: Detector::of(controller, noise_n),
             force_control: ForceControl::new(controller, selection, elastic),
@@ -122,6 +126,18 @@ impl Motion {
             plan: Plan::stay(coordinates, *start),
             lowest_m: f64::NEG_INFINITY,
             settled_cycles: 0,
+        }
+    }
+
+    /// At `tick` the robot has followed `set_points` (rad), T apart, instead of the one sent last.
+    pub(crate) fn follow(&mut self, settings: &Settings, tick: i64, set_points: &[Axes]) {
+        self.dynamics = self.before;
+        for (i, set_point) in set_points.iter().enumerate() {
+            if i > 0 {
+                let periods = settings.lead() - 1 - (set_points.len() - i) as i64;
+                self.track(settings, tick + periods * settings.period_ticks);
+            }
+            self.dynamics.advance(set_point);
         }
     }
 
@@ -266,8 +282,9 @@ impl Motion {
             // The way waits for a robot that does not follow.
             path.wait(settings.period_ticks);
         }
-        let limited = limits.apply(tick, &mut set_points);
+        let limited = limits.apply(&mut set_points);
         bits |= limited | if bound { LIMIT_LEAD } else { 0 };
+        self.before = self.dynamics;
         let acceleration = self.dynamics.advance(&set_points[0]);
         if self.contact.is_none() {
             let acceleration = self.tcp_acceleration(settings, &set_points[0], &acceleration);
