@@ -31,15 +31,17 @@ pub struct Bench {
 impl Bench {
     /// The short experiment with further `overrides`, all nodes on the same two ports.
     pub fn new(overrides: &[&str]) -> Result<Self, Box<dyn Error>> {
+        let overrides: Vec<_> = SHORT.iter().chain(overrides).copied().collect();
+        Self::of("paper", &overrides)
+    }
+
+    /// The built-in scenario `name` with `overrides`, all nodes on the same two ports.
+    pub fn of(name: &str, overrides: &[&str]) -> Result<Self, Box<dyn Error>> {
         let directory = tempfile::tempdir()?;
         let port = RunPort::free(Duration::ZERO)?;
         let file = directory.path().join("scenario.toml");
-        fs::write(&file, experiment::scenarios::Source::find("paper")?.text)?;
-        let overrides: Vec<String> = SHORT
-            .iter()
-            .chain(overrides)
-            .map(|&text| text.to_owned())
-            .collect();
+        fs::write(&file, experiment::scenarios::Source::find(name)?.text)?;
+        let overrides: Vec<String> = overrides.iter().map(|&text| text.to_owned()).collect();
         let plan = Plan {
             programs: crate::programs(),
             scenario: file.clone(),

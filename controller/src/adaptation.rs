@@ -34,6 +34,11 @@ impl Adaptation {
         }
     }
 
+    /// Another `configured` compliance, of which the factors that are known are those of.
+    pub fn configure(&mut self, configured: Compliance) {
+        self.configured = configured;
+    }
+
     /// Take one sample, `in_contact_s` s after the contact was detected: the contact-only deflection and the
     /// contact-only wrench that was measured independently of it, both at s, in s.
     ///

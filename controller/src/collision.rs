@@ -23,6 +23,8 @@ pub enum Allowed {
     Contact {
         /// The force (N) along the normal, as the deflection of the tcp shows it.
         normal_force_n: f64,
+        /// What it may be at most, N.
+        most_n: f64,
     },
 }
 
@@ -51,23 +53,20 @@ pub struct CollisionWatch {
     enabled: bool,
     free: [f64; 6],
     contact: [f64; 6],
-    /// Along the normal in contact, N.
-    most_n: f64,
     in_a_row: u32,
     saturated: u32,
     first: Option<Exceeded>,
 }
 
 impl CollisionWatch {
-    /// With the thresholds that `controller` says, and the contact force that `task` allows.
-    pub fn new(controller: &scenario::Controller, task: &scenario::Task) -> Self {
+    /// With the thresholds that `controller` says.
+    pub fn new(controller: &scenario::Controller) -> Self {
         let collision = &controller.collision;
         let six = |[fx, fy, fz]: [f64; 3], [mx, my, mz]: [f64; 3]| [fx, fy, fz, mx, my, mz];
         Self {
             enabled: collision.enabled,
             free: six(collision.free_force_n, collision.free_moment_nm),
             contact: six(collision.contact_force_n, collision.contact_moment_nm),
-            most_n: task.max_contact_force_n,
             in_a_row: 0,
             saturated: 0,
             first: None,
@@ -87,6 +86,16 @@ impl CollisionWatch {
         (in_contact && self.saturated >= SATURATED_IN_A_ROW).then_some(Fault::DeflectionSaturated)
     }
 
+    /// Whether `wrench` is more than `allowed`.
+    pub fn exceeds(&self, allowed: &Allowed, wrench: &Wrench) -> bool {
+        self.find(allowed, wrench).is_some()
+    }
+
+    /// Forget what was seen: what begins now begins anew.
+    pub fn reset(&mut self) {
+        (self.in_a_row, self.saturated, self.first) = (0, 0, None);
+    }
+
     /// The first thing that was too much.
     pub fn exceeded(&self) -> Option<&Exceeded> {
         self.first.as_ref()
@@ -94,14 +103,17 @@ impl CollisionWatch {
 
     /// The axis that exceeds its limit by the largest factor.
     fn find(&self, allowed: &Allowed, wrench: &Wrench) -> Option<Exceeded> {
-        if let Allowed::Contact { normal_force_n } = *allowed
-            && normal_force_n > self.most_n
+        if let Allowed::Contact {
+            normal_force_n,
+            most_n,
+        } = *allowed
+            && normal_force_n > most_n
         {
             return Some(Exceeded {
                 fault: Fault::ForceLimit,
                 axis: crate::dofs::NORMAL,
                 value: normal_force_n,
-                limit: self.most_n,
+                limit: most_n,
             });
         }
         if !self.enabled {
@@ -136,7 +148,14 @@ mod tests {
     };
 
     fn watch() -> CollisionWatch {
-        CollisionWatch::new(&scenario::Controller::default(), &scenario::Task::default())
+        CollisionWatch::new(&scenario::Controller::default())
+    }
+
+    fn in_contact(normal_force_n: f64) -> Allowed {
+        Allowed::Contact {
+            normal_force_n,
+            most_n: 300.0,
+        }
     }
 
     fn wrench(axis: usize, value: f64) -> Wrench {
@@ -152,7 +171,7 @@ mod tests {
     /// 30 N and 10 N of inertia; 4 Nm and 0.2 m times 10 N; 300 N and 50 Nm in contact; each axis by its name.
     #[test]
     fn each_axis_has_its_threshold_in_each_phase() {
-        let contact = Allowed::Contact { normal_force_n: 10.0 };
+        let contact = in_contact(10.0);
         for axis in 0..6 {
             let force = axis < 3;
             for (allowed, limit) in [
@@ -178,20 +197,21 @@ mod tests {
     #[test]
     fn too_much_along_the_normal_is_the_force_limit() {
         let mut watch = watch();
-        let allowed = Allowed::Contact {
-            normal_force_n: 301.0,
-        };
+        let allowed = in_contact(301.0);
         let nothing = Wrench::default();
         assert_eq!(watch.take(&allowed, &nothing, false), None);
         assert_eq!(watch.take(&allowed, &nothing, false), Some(Fault::ForceLimit));
         let found = watch.exceeded().unwrap();
         assert_eq!((found.axis, found.value, found.limit), (2, 301.0, 300.0));
+        watch.reset();
+        assert_eq!(watch.exceeded(), None);
+        assert_eq!(watch.take(&allowed, &nothing, false), None, "one sample alone");
     }
 
     #[test]
     fn a_sensor_that_stays_at_the_end_of_its_range_in_contact_is_a_fault() {
         let mut watch = watch();
-        let contact = Allowed::Contact { normal_force_n: 0.0 };
+        let contact = in_contact(0.0);
         let mut answers = (0..100).map(|_| watch.take(&contact, &Wrench::default(), true));
         assert!(answers.by_ref().take(99).all(|answer| answer.is_none()));
         assert_eq!(answers.next(), Some(Some(Fault::DeflectionSaturated)));

@@ -23,6 +23,8 @@ const ABOVE_NOISE: f64 = 4.5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Detector {
     threshold_n: f64,
+    /// The threshold that the noise asks for, N.
+    least_n: f64,
     cusum: Option<Cusum>,
     apparent_mass_kg: f64,
     fading_s: f64,
@@ -36,6 +38,7 @@ impl Detector {
     pub fn new(threshold_n: f64, apparent_mass_kg: f64, fading_s: f64, cusum: Option<Cusum>) -> Self {
         Self {
             threshold_n,
+            least_n: 0.0,
             cusum,
             apparent_mass_kg,
             fading_s,
@@ -53,18 +56,27 @@ impl Detector {
             1.0
         };
         let sum = Cusum::new(cusum.allowance_n, noise_n, cusum.false_alarms_per_h);
-        Self::new(
-            controller.detection_threshold_n.max(ABOVE_NOISE * noise_n),
-            controller.apparent_mass_kg * softer,
-            controller.detection_fading_s,
-            cusum.enabled.then_some(sum),
-        )
+        let least_n = ABOVE_NOISE * noise_n;
+        Self {
+            least_n,
+            ..Self::new(
+                controller.detection_threshold_n.max(least_n),
+                controller.apparent_mass_kg * softer,
+                controller.detection_fading_s,
+                cusum.enabled.then_some(sum),
+            )
+        }
     }
 
     /// Follow the acceleration (m/s^2) of the commanded motion over one cycle of `ticks`.
     pub fn follow(&mut self, acceleration: f64, ticks: i64) {
         let fading = libm::exp(-(ticks as f64) * TICK_S / self.fading_s);
         self.envelope = libm::fabs(acceleration).max(self.envelope * fading);
+    }
+
+    /// Fire above `threshold_n` (N) from now on, as far as the noise allows.
+    pub fn set_threshold(&mut self, threshold_n: f64) {
+        self.threshold_n = threshold_n.max(self.least_n);
     }
 
     /// Take the force (N) of the next sample; whether it is a contact, for a robot that is `looking` for one. Before, nothing
@@ -119,5 +131,15 @@ mod tests {
         detector.follow(0.0, 1_000_000);
         assert_eq!((0..100).position(|_| detector.take(0.45, true)), Some(3));
         assert!(!detector.take(0.8, false) && detector.take(0.83, true));
+    }
+
+    /// 4.5 times 0.16 N are 0.72 N.
+    #[test]
+    fn no_threshold_is_below_the_noise() {
+        let mut detector = Detector::of(&scenario::Controller::default(), 0.16);
+        for (asked, found) in [(2.0, 2.0), (0.1, 0.72)] {
+            detector.set_threshold(asked);
+            assert!((detector.threshold_n() - found).abs() < 1e-12);
+        }
     }
 }

@@ -26,6 +26,11 @@ impl DriftWatch {
         }
     }
 
+    /// The same limit, and no drift yet.
+    pub fn anew(&self) -> Self {
+        Self::new(self.limit_n)
+    }
+
     /// Take the force (N) along the normal that one sample, a tick after the last, shows without contact.
     pub fn take(&mut self, force_n: f64) {
         let weight = TICK_S / TIME_CONSTANT_S;

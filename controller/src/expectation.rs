@@ -52,6 +52,12 @@ impl Expectation {
         }
     }
 
+    /// Expect the modelled object at `height_m` (m in r) from now on; at the beginning of an approach, which would follow it
+    /// there otherwise.
+    pub(crate) fn expect_at_height(&mut self, height_m: f64) {
+        self.modelled.z = height_m;
+    }
+
     /// Position (m) of the tcp in r as it touches the object at `time_s`, and the object's velocity (m/s); `None`:
     /// nothing is expected, or nothing has been seen yet.
     pub fn at(&self, time_s: f64) -> Option<(Vector3<f64>, Vector3<f64>)> {

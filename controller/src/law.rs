@@ -141,6 +141,23 @@ impl ForceControl {
         }
     }
 
+    /// Act along `selection` from now on: a law that acts already goes on, the others begin anew.
+    pub fn select(&mut self, controller: &scenario::Controller, selection: Selection) {
+        for dof in selection.iter().filter(|dof| !self.selection.contains(*dof)) {
+            self.laws[dof] = DofLaw::new(controller, dof);
+        }
+        self.selection = selection;
+    }
+
+    /// Take over the gains of the `controller` that can change in contact.
+    pub fn retune(&mut self, controller: &scenario::Controller) {
+        for (dof, law) in self.laws.iter_mut().enumerate() {
+            if let DofLaw::Pd(law) = law {
+                law.retune(&controller.pd, dof);
+            }
+        }
+    }
+
     /// The object moves with `velocity` (m/s, in r) as the contact begins.
     pub fn expect(&mut self, velocity: &Vector3<f64>) {
         for (law, rate) in self.laws.iter_mut().zip(velocity) {

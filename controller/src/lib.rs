@@ -27,8 +27,12 @@
 //! | compliance adapted in contact | [`adaptation`] | V |
 //! | tool and sensor learnt from tilted rests, and the way through them | [`calibration`], [`tilting`] | (3), (4) |
 //! | assessment of the impact | [`impact`] | (13)-(18), footnote 9 |
+//! | whether a start can be answered for | `readiness` | |
+//! | what is asked for at run time, when, and changed smoothly | [`agenda`], `requests`, `parameters` | |
+//! | programs: steps, their order, how each begins and ends | `program`, `steps`, `motion/begin.rs` | |
 
 pub mod adaptation;
+pub mod agenda;
 pub mod approach;
 pub mod calibration;
 pub mod collision;
@@ -60,10 +64,15 @@ pub mod tilting;
 pub mod transform;
 
 mod motion;
+mod parameters;
+mod program;
 mod protection;
+mod readiness;
+mod requests;
 mod sensing;
 mod settings;
 mod status;
+mod steps;
 
 use collision::CollisionWatch;
 use delivery::Delivery;
@@ -71,8 +80,11 @@ use expectation::Expectation;
 use limits::Limits;
 use motion::{Motion, Sample};
 use nalgebra::Vector3;
-use node::scenario::{Pairing, Scenario, TaskKind};
+use node::scenario::{self, Pairing, Scenario};
 use pairing::EncoderHistory;
+use parameters::Parameters;
+use program::Program;
+use requests::Requests;
 use sensing::Sensing;
 use settings::Settings;
 use spatial::kinematics::Axes;
@@ -97,12 +109,24 @@ pub struct Outputs {
 #[derive(Clone, Debug)]
 pub struct Controller {
     settings: Settings,
+    /// The task as it is configured now; what the present step makes of it is in force.
+    configured: scenario::Task,
+    parameters: Parameters,
+    program: Program,
+    requests: Requests,
     phase: ControllerPhase,
     fault: Fault,
     encoders: EncoderHistory,
+    newest_state_utime: i64,
+    /// Tick at which that state came.
+    state_tick: i64,
     newest_sample_utime: i64,
     /// Tick at which that sample came.
     heard_tick: i64,
+    /// Tick since which the tare is taken.
+    tare_since_tick: i64,
+    /// The task has begun, or was kept from it: it does not begin by itself any more.
+    started: bool,
     expectation: Expectation,
     sensing: Sensing,
     start: Axes,
@@ -119,27 +143,32 @@ pub struct Controller {
     limits: i32,
 }
 
-/// How long the force must stay in its band before the contact counts as settled, s.
-const SETTLED_S: f64 = 0.05;
-
 impl Controller {
     /// The scenario's controller, knowing nothing yet.
     pub fn new(scenario: &Scenario) -> Self {
         let settings = Settings::new(scenario);
         Self {
             sensing: Sensing::new(&settings.controller, settings.compliance),
-            collision: CollisionWatch::new(&settings.controller, &scenario.task),
+            configured: scenario.task.clone(),
+            parameters: Parameters::new(scenario),
+            program: Program::new(scenario),
+            requests: Requests::default(),
             settings,
             phase: ControllerPhase::Init,
             fault: Fault::None,
             encoders: EncoderHistory::default(),
+            newest_state_utime: i64::MIN,
+            state_tick: 0,
             newest_sample_utime: i64::MIN,
             heard_tick: 0,
+            tare_since_tick: 0,
+            started: !scenario.task.starts_by_itself,
             expectation: Expectation::new(scenario),
             start: Axes::zeros(),
             commanded: Axes::zeros(),
             motion: None,
             tilting: None,
+            collision: CollisionWatch::new(&scenario.controller),
             delivery: Delivery::new(scenario.timing.command_period_ticks),
             bounds: Limits::new(scenario, &Axes::zeros()),
             limits: 0,
@@ -158,6 +187,10 @@ impl Controller {
     ) -> Outputs {
         let tick = state.stamp.step;
         self.encoders.update(state);
+        if state.stamp.utime > self.newest_state_utime {
+            self.newest_state_utime = state.stamp.utime;
+            self.state_tick = tick;
+        }
         if let Some(pose) = object {
             self.expectation.take(pose);
         }
@@ -174,10 +207,8 @@ impl Controller {
                 self.take(sample, tick);
             }
         }
-        if let (Some(motion), Some(compliance)) = (&mut self.motion, self.sensing.adapted()) {
-            motion.plan(&self.settings, &compliance);
-        }
-        self.change_phase(tick);
+        self.slew(tick);
+        self.change_phase(tick, state);
         if let Some(followed) = self.delivery.followed(tick, state.command_step) {
             self.bounds.follow(followed.set_points());
             if let Some(motion) = &mut self.motion {
@@ -218,7 +249,7 @@ impl Controller {
                 self.sensing.take_in_contact(sample, in_contact_s);
             }
             // A tilted tool hangs in another way.
-            None if self.phase == ControllerPhase::Calibrate => {}
+            None if self.tilting.is_some_and(|tilting| tilting.begun()) => {}
             None => self.sensing.take_free(motion.normal_force_n()),
         }
         self.watch_for_collision(&taken);
@@ -237,77 +268,60 @@ impl Controller {
         }
     }
 
-    fn change_phase(&mut self, tick: i64) {
-        let settings = &self.settings;
+    /// Lead what was asked for at run time to its values; plan anew what rests on them and on what is learnt.
+    fn slew(&mut self, tick: i64) {
+        let changed = self.parameters.slew(&mut self.settings, tick);
+        if changed.posture {
+            self.sensing.configure(self.settings.compliance);
+        }
+        let Some(motion) = &mut self.motion else { return };
+        if changed.any {
+            motion.retune(&self.settings);
+        }
+        if changed.posture || self.sensing.adapts() {
+            motion.plan(&self.settings, &self.sensing.compliance());
+        }
+    }
+
+    fn change_phase(&mut self, tick: i64, state: &RobotState) {
         let time = tick as f64 * TICK_S;
+        self.follow_request(tick, state);
         match self.phase {
-            ControllerPhase::Sync if time >= settings.controller.tare_s => {
-                if let Some(noise_m) = self.sensing.finish_tare(settings.controller.tare_s) {
+            ControllerPhase::Sync if self.tared(tick) => {
+                if let Some(noise_m) = self.sensing.finish_tare(self.settings.controller.tare_s) {
                     let zero = self.sensing.zero();
-                    let motion = Motion::new(settings, &zero, noise_m, &self.start);
+                    let motion = Motion::new(&self.settings, &zero, noise_m, &self.start);
                     self.bounds.hang(motion.hanging_in_s());
                     self.motion = Some(motion);
-                    self.tilting = Tilting::of(settings, &self.start);
+                    self.tilting = Tilting::of(&self.settings, &self.start);
                     self.phase = ControllerPhase::Ready;
                 }
             }
-            ControllerPhase::Ready if time >= settings.task.standstill_s => match settings.task.kind {
-                TaskKind::Calibrate if self.tilting.is_some() => self.phase = ControllerPhase::Calibrate,
-                TaskKind::Press | TaskKind::Position if self.expectation.ready() => {
-                    self.phase = ControllerPhase::Approach;
-                }
-                _ => {}
-            },
+            ControllerPhase::Ready if time >= self.settings.task.standstill_s && !self.started => {
+                self.start_by_itself(tick, state);
+            }
             ControllerPhase::Calibrate if self.tilting.is_some_and(|tilting| tilting.done()) => {
                 self.tilting = None;
                 self.phase = ControllerPhase::Ready;
             }
             _ => {}
         }
-        let Some(motion) = &mut self.motion else { return };
-        let silent_s = (tick - self.heard_tick) as f64 * TICK_S;
-        if silent_s > settings.controller.stale_fault_s {
+        if self.motion.is_some() && self.silent_s(tick) > self.settings.controller.stale_fault_s {
             return self.fail(Fault::SensorStale);
         }
-        let ended = match self.phase {
-            ControllerPhase::Approach | ControllerPhase::Contact | ControllerPhase::Settled => {
-                let so_far = motion.approached_for(settings, &self.expectation, tick);
-                so_far > motion.approach_duration(settings)
-            }
-            _ => false,
-        };
-        match (settings.task.kind, self.phase) {
-            (_, ControllerPhase::Approach) if motion.in_contact() => self.phase = ControllerPhase::Contact,
-            (TaskKind::Press, ControllerPhase::Approach) if ended => self.fail(Fault::NoContact),
-            (TaskKind::Press, ControllerPhase::Contact | ControllerPhase::Settled)
-                if motion.lost_beyond_search() =>
-            {
-                self.fail(Fault::NoContact);
-            }
-            (TaskKind::Press, ControllerPhase::Contact | ControllerPhase::Settled) => {
-                let error = motion.force_n() - settings.task.desired_force_n;
-                let inside = libm::fabs(error) <= settings.controller.settled_band_n;
-                let inside_s = motion.count_settled(inside) as f64 * settings.period_ticks as f64 * TICK_S;
-                if inside_s >= SETTLED_S {
-                    self.phase = ControllerPhase::Settled;
-                } else if !inside {
-                    self.phase = ControllerPhase::Contact;
-                }
-            }
-            (
-                TaskKind::Position,
-                ControllerPhase::Approach | ControllerPhase::Contact | ControllerPhase::Settled,
-            ) => {
-                if motion.yields_by_m() > settings.task.tolerance_m {
-                    self.fail(Fault::ToleranceExceeded);
-                } else if motion.saturated() {
-                    self.fail(Fault::DeflectionSaturated);
-                } else if ended && motion.arrived(settings.task.tolerance_m) {
-                    self.phase = ControllerPhase::Settled;
-                }
-            }
-            _ => {}
+        if self.fault == Fault::None {
+            self.follow_program(tick);
         }
+    }
+
+    /// Whether the tare has lasted long enough at `tick`.
+    fn tared(&self, tick: i64) -> bool {
+        (tick - self.tare_since_tick) as f64 * TICK_S >= self.settings.controller.tare_s
+    }
+
+    /// How long the sensor has brought nothing new, s.
+    fn silent_s(&self, tick: i64) -> f64 {
+        (tick - self.heard_tick) as f64 * TICK_S
     }
 
     /// Latch `fault`, unless another one came first.

@@ -1,10 +1,13 @@
 //! The task once the tare is known: approach, contact, and the way from the tcp's coordinates to axes.
 
+mod begin;
 mod bounds;
+mod fade;
 mod normal;
 mod path;
 mod plan;
 mod reference;
+mod route;
 mod sensed;
 mod statics;
 mod told;
@@ -20,15 +23,17 @@ use crate::dofs::{Dofs, NORMAL, Selection, TaskFrame, TcpCompliance};
 use crate::elastic::Elastic;
 use crate::expectation::Expectation;
 use crate::impact::ImpactMonitor;
-use crate::law::{ForceControl, feeds_forward};
+use crate::law::ForceControl;
 use crate::limits::Limits;
 use crate::posture::Posture;
 use crate::shaping::swing::Swing;
 use crate::shaping::{Point, Shape};
+use fade::Fade;
 use nalgebra::Vector3;
 use path::Path;
 use plan::{Plan, bound_lead};
-use sensed::{Contact, Sensed};
+use route::{Spiral, Travel};
+use sensed::{Contact, LONGEST_BOUNCE_TICKS, Sensed};
 use spatial::kinematics::{Axes, Unreachable};
 use spatial::ports::{HORIZON, LIMIT_LEAD, Law, SampleFlags};
 use spatial::{Compliance, Deflection, Pose};
@@ -49,8 +54,21 @@ pub(crate) struct Motion {
     /// What the tool's acceleration deflects, and how a change of speed takes that into account.
     swing: Swing,
     shape: Shape,
+    /// From the start to where the present step has begun, m in r.
+    anchor: Vector3<f64>,
+    /// From the nominal to the hanging tcp, m in r.
+    sag: Vector3<f64>,
     /// The way to the object, once the approach has begun.
     path: Option<Path>,
+    /// Another step's way.
+    travel: Option<Travel>,
+    spiral: Option<Spiral>,
+    /// What is left of the motion before this step, and the cycle in which it was left off.
+    fade: Option<(Fade, i64)>,
+    /// Share of the posture that is kept while no law acts.
+    share: f64,
+    /// The way goes on in contact: towards a position, not until a force.
+    inserts: bool,
     dynamics: CommandDynamics,
     /// The same before the set-point sent last.
     before: CommandDynamics,
@@ -61,6 +79,9 @@ pub(crate) struct Motion {
     /// `None` where no assessment can be made of what is assumed, which no scenario allows.
     impact: Option<ImpactMonitor>,
     contact: Option<Contact>,
+    /// The tool that no law presses any more still leaves what it touches, or comes to rest where it may touch: the tick of
+    /// the newest sample that shows it, or of that rest.
+    leaving: Option<i64>,
     newest: Sensed,
     plan: Plan,
     /// The lowest height that a force law may seek, m.
@@ -114,7 +135,14 @@ impl Motion {
             desired_displacement: posture.desired_displacement(),
             swing,
             shape: Shape::new(&controller.shaping, &swing),
+            anchor: Vector3::zeros(),
+            sag: hanging.translation.vector - (r_from_s * nalgebra::Point3::from(settings.d)).coords,
             path: None,
+            travel: None,
+            spiral: None,
+            fade: None,
+            share: 0.0,
+            inserts: false,
             dynamics,
             before: dynamics,
             disturbance: Disturbance::new(&controller.servo),
@@ -122,6 +150,7 @@ impl Motion {
             force_control: ForceControl::new(controller, selection, elastic),
             impact,
             contact: None,
+            leaving: None,
             newest: Sensed::new(&sample, &r_from_s, &posture, &compliance),
             plan: Plan::stay(coordinates, *start),
             lowest_m: f64::NEG_INFINITY,
@@ -173,7 +202,7 @@ impl Motion {
             let met = self
                 .path
                 .map_or(Point::default(), |path| path.at(settings, reached));
-            self.contact = Some(Contact::new(sample.tick, tick, met));
+            self.contact = Some(Contact::new(settings, &sensed, tick, met));
             if let Some(impact) = &mut self.impact {
                 impact.contact();
             }
@@ -181,7 +210,12 @@ impl Motion {
                 self.force_control.expect(&velocity);
             }
         }
-        if let Some(contact) = &mut self.contact {
+        let touches = libm::fabs(sensed.normal_force_n) > self.detector.threshold_n();
+        self.leaving = self
+            .leaving
+            .map(|last| if touches { last.max(sample.tick) } else { last })
+            .filter(|last| sample.tick - last <= LONGEST_BOUNCE_TICKS);
+        if let Some(contact) = self.contact.as_mut().filter(|contact| !contact.released) {
             let touch = contact.touch(settings, &self.selection, &sensed);
             contact.lost = touch == Touch::Lost;
             // Paper (12).
@@ -197,19 +231,9 @@ impl Motion {
         }
     }
 
-    /// How long the approach has lasted at `tick`, which begins with the first question, s.
-    pub(crate) fn approached_for(
-        &mut self,
-        settings: &Settings,
-        expectation: &Expectation,
-        tick: i64,
-    ) -> f64 {
-        let start_m = self.plan.coordinates[0][NORMAL];
-        let (shape, impact) = (self.shape, self.impact.as_ref());
-        let path = self
-            .path
-            .get_or_insert_with(|| Path::new(settings, expectation, shape, impact, start_m, tick));
-        path.lasted_s(tick)
+    /// How long the approach has lasted at `tick`, s.
+    pub(crate) fn approached_for(&self, tick: i64) -> f64 {
+        self.path.map_or(0.0, |path| path.lasted_s(tick))
     }
 
     /// How long the approach lasts at most, until its end has been the next set-point, s.
@@ -221,6 +245,11 @@ impl Motion {
     pub(crate) fn count_settled(&mut self, inside: bool) -> i64 {
         self.settled_cycles = if inside { self.settled_cycles + 1 } else { 0 };
         self.settled_cycles
+    }
+
+    /// The contact in which a law acts.
+    fn pressing(&self) -> Option<Contact> {
+        self.contact.filter(|contact| !contact.released)
     }
 
     /// The next set-points of the axes, one period apart, within `limits`, and the bits of the limits that bind.
@@ -235,12 +264,13 @@ impl Motion {
         // The first set-point is reached n_d + 1 periods from now.
         let reached: [i64; PREVIEW] =
             std::array::from_fn(|i| tick + (settings.lead() + i as i64) * settings.period_ticks);
-        let leads = feeds_forward(settings.controller.law);
+        let leads = self.leads(settings);
         self.track(settings, reached[0] - settings.period_ticks);
         let mut known = None;
         let mut coordinates =
             reached.map(|tick| self.reference(settings, expectation, tick, leads, &mut known));
-        if self.contact.is_some() {
+        let pressing = self.pressing().is_some();
+        if pressing {
             let lowest = self.lowest(expectation, reached[0]);
             self.lowest_m = lowest;
             for (all, demand) in coordinates
@@ -260,7 +290,7 @@ impl Motion {
             let proposed = &settings.controller.proposed;
             let mut led = axes;
             let models_servo = settings.controller.law == Law::Elastic;
-            if proposed.disturbance_feed_forward && self.contact.is_some() && !models_servo {
+            if proposed.disturbance_feed_forward && pressing && !models_servo {
                 let torque = self.torque(settings, &axes[0]);
                 let deviations = self.disturbance.preview(&torque, settings.period_ticks);
                 for (axes, deviation) in led.iter_mut().zip(deviations) {
@@ -278,15 +308,15 @@ impl Motion {
         };
         let most = settings.controller.max_lead_m;
         let bound = bound_lead(kinematics, &self.posture, most, actual, &mut set_points);
-        if let Some(path) = self.path.as_mut().filter(|_| bound) {
+        if bound {
             // The way waits for a robot that does not follow.
-            path.wait(settings.period_ticks);
+            self.wait(settings.period_ticks);
         }
         let limited = limits.apply(&mut set_points);
         bits |= limited | if bound { LIMIT_LEAD } else { 0 };
         self.before = self.dynamics;
         let acceleration = self.dynamics.advance(&set_points[0]);
-        if self.contact.is_none() {
+        if !pressing {
             let acceleration = self.tcp_acceleration(settings, &set_points[0], &acceleration);
             self.detector.follow(acceleration, settings.period_ticks);
         } else {

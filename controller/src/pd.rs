@@ -24,14 +24,7 @@ pub struct Pd {
 impl Pd {
     /// No contact yet; the gains for the degree of freedom `dof`.
     pub fn new(parameters: &scenario::Pd, dof: usize, resets: bool) -> Self {
-        let (proportional, derivative) = if dof < 3 {
-            (parameters.proportional_m_per_n, parameters.derivative_m_per_n)
-        } else {
-            (
-                parameters.proportional_rad_per_nm,
-                parameters.derivative_rad_per_nm,
-            )
-        };
+        let (proportional, derivative) = gains(parameters, dof);
         Self {
             proportional,
             derivative,
@@ -39,6 +32,11 @@ impl Pd {
             newest: None,
             previous_wrench: None,
         }
+    }
+
+    /// Go on with other gains, those of `parameters` for the degree of freedom `dof`.
+    pub fn retune(&mut self, parameters: &scenario::Pd, dof: usize) {
+        (self.proportional, self.derivative) = gains(parameters, dof);
     }
 
     /// Take one sample in contact.
@@ -65,6 +63,18 @@ impl Pd {
     /// Where the newest sample met the object, at rest.
     pub fn object(&self) -> Option<(f64, f64)> {
         self.newest.map(|sample| (sample.object, 0.0))
+    }
+}
+
+/// K and D for the degree of freedom `dof`.
+fn gains(parameters: &scenario::Pd, dof: usize) -> (f64, f64) {
+    if dof < 3 {
+        (parameters.proportional_m_per_n, parameters.derivative_m_per_n)
+    } else {
+        (
+            parameters.proportional_rad_per_nm,
+            parameters.derivative_rad_per_nm,
+        )
     }
 }
 

@@ -4,27 +4,32 @@ use crate::Controller;
 use crate::collision::Allowed;
 use crate::motion::Sample;
 use spatial::kinematics::Axes;
-use spatial::ports::{ControllerPhase, Fault, HORIZON, LIMIT_LEAD};
+use spatial::ports::{Fault, HORIZON, LIMIT_LEAD};
 
 impl Controller {
     /// Latch a collision that the newest sample completes.
     pub(crate) fn watch_for_collision(&mut self, sample: &Sample) {
-        let Some(motion) = self.motion.as_ref().filter(|_| self.fault == Fault::None) else {
+        let wrench = self.contact_wrench(&sample.deflection);
+        let Some(motion) = self.motion.as_mut().filter(|_| self.fault == Fault::None) else {
             return;
         };
-        let allowed = if motion.in_contact() {
+        let free = Allowed::Free {
+            raised_n: motion.raised_n(),
+            lever_m: self.settings.d.norm(),
+        };
+        if self.collision.exceeds(&free, &wrench) {
+            motion.has_not_left();
+        }
+        let allowed = if motion.touches() {
             Allowed::Contact {
                 normal_force_n: motion.normal_force_n(),
+                most_n: self.settings.task.max_contact_force_n,
             }
-        } else if self.phase == ControllerPhase::Calibrate {
+        } else if self.tilting.is_some_and(|tilting| tilting.begun()) {
             Allowed::Tilting
         } else {
-            Allowed::Free {
-                raised_n: motion.raised_n(),
-                lever_m: self.settings.d.norm(),
-            }
+            free
         };
-        let wrench = self.contact_wrench(&sample.deflection);
         if let Some(fault) = self.collision.take(&allowed, &wrench, sample.flags.saturated) {
             self.fail(fault);
             // Not where it was sent: whatever it met is in between.
@@ -55,7 +60,7 @@ impl Controller {
         let motion = self.motion.as_mut().filter(|_| self.fault == Fault::None)?;
         let (settings, bounds) = (&self.settings, &mut self.bounds);
         let answer = match &mut self.tilting {
-            Some(tilting) if self.phase == ControllerPhase::Calibrate => {
+            Some(tilting) if tilting.begun() => {
                 let asked = tilting.set_points(settings, actual, &self.commanded);
                 asked.map(|(mut set_points, waits)| {
                     let bits = bounds.apply(&mut set_points);

@@ -15,6 +15,10 @@ pub(crate) struct Sensing {
     tare: Tare,
     /// The tare is complete.
     tared: bool,
+    /// What the configured compliance made of the tare's wrench then, so that another one does not move the zero.
+    zero: Option<Deflection>,
+    /// A sample of the tare was at the end of its range.
+    saturated: bool,
     drift: DriftWatch,
     adaptation: Option<Adaptation>,
 }
@@ -28,6 +32,8 @@ impl Sensing {
             configured,
             tare: Tare::default(),
             tared: false,
+            zero: None,
+            saturated: false,
             drift: DriftWatch::new(controller.drift_limit_n),
             adaptation: (adaptation.enabled).then(|| Adaptation::new(adaptation, configured)),
         }
@@ -59,8 +65,28 @@ impl Sensing {
     pub(crate) fn zero(&self) -> Deflection {
         match self.output {
             SensorOutput::Deflection => self.tare.deflection(),
-            SensorOutput::Force => self.configured * self.tare.wrench(),
+            SensorOutput::Force => self.zero.unwrap_or(self.configured * self.tare.wrench()),
         }
+    }
+
+    /// Another `configured` compliance.
+    pub(crate) fn configure(&mut self, configured: Compliance) {
+        self.configured = configured;
+        if let Some(adaptation) = &mut self.adaptation {
+            adaptation.configure(configured);
+        }
+    }
+
+    /// Forget the tare, to take another one.
+    pub(crate) fn tare_anew(&mut self) {
+        self.tare = Tare::default();
+        (self.tared, self.zero, self.saturated) = (false, None, false);
+        self.drift = self.drift.anew();
+    }
+
+    /// Whether a sample of the tare was at the end of its range.
+    pub(crate) fn saturated(&self) -> bool {
+        self.saturated
     }
 
     /// The compliance as it is known: configured or adapted.
@@ -69,9 +95,9 @@ impl Sensing {
             .map_or(self.configured, |adaptation| adaptation.compliance())
     }
 
-    /// The compliance if it is adapted.
-    pub(crate) fn adapted(&self) -> Option<Compliance> {
-        self.adaptation.map(|adaptation| adaptation.compliance())
+    /// Whether the compliance is adapted.
+    pub(crate) fn adapts(&self) -> bool {
+        self.adaptation.is_some()
     }
 
     /// Confidence in the adapted compliance, 0 to 1.
@@ -81,12 +107,16 @@ impl Sensing {
 
     /// Take a sample at standstill into the tare; it displaces the tcp by `normal_m` (m) along the contact's normal.
     pub(crate) fn take_at_rest(&mut self, sample: &DeflectionSample, normal_m: f64) {
+        self.saturated |= sample.flags.saturated;
         self.tare.add(sample, normal_m);
     }
 
     /// The noise (m rms) of the tcp's displacement along the normal, once there are `tare_s` (s) of samples to tare with.
     pub(crate) fn finish_tare(&mut self, tare_s: f64) -> Option<f64> {
         self.tared = f64::from(self.tare.count()) >= libm::rint(tare_s / TICK_S).max(1.0);
+        if self.tared && self.output == SensorOutput::Force {
+            self.zero = Some(self.configured * self.tare.wrench());
+        }
         self.tared.then(|| self.tare.noise_m())
     }
 

@@ -1,4 +1,4 @@
-//! What the scenario says, in the controller's terms.
+//! What the scenario says, in the controller's terms, and what requests and steps have changed of it since.
 
 use crate::elastic::Design;
 use nalgebra::Vector3;
@@ -9,17 +9,18 @@ use spatial::{Compliance, TICK_S, Wrench};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// What the scenario says.
+/// What is in force now.
 #[derive(Clone, Debug)]
 pub(crate) struct Settings {
     pub(crate) seed: i64,
     pub(crate) period_ticks: i64,
+    /// What the present step asks for; without a program the task as it is configured.
     pub(crate) task: scenario::Task,
     pub(crate) controller: scenario::Controller,
     pub(crate) kinematics: Kinematics,
     pub(crate) compliance: Compliance,
     pub(crate) d: Vector3<f64>,
-    /// The wrench that is sought.
+    /// The wrench that is sought now, on its way to what is asked for.
     pub(crate) desired: Wrench,
     /// For the law of that name.
     pub(crate) elastic: Option<Arc<Design>>,

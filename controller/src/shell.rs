@@ -5,6 +5,7 @@
 mod inputs;
 
 use controller::Controller;
+use controller::agenda::Agenda;
 use crossbeam::select;
 use inputs::Inputs;
 use lcmtypes::{Encoded, Lcm, Received};
@@ -13,7 +14,7 @@ use node::lockstep::{Answer, Follower};
 use node::problem::Problem;
 use node::shell::{Flags, Shell};
 use spatial::TICK_US;
-use spatial::ports::{Deflections, NodeStatus, ObjectPose, RobotState, Role, Stamp};
+use spatial::ports::{Deflections, NodeStatus, ObjectPose, RobotState, Role, Stamp, Task};
 
 /// Run the node until a signal ends it.
 pub(crate) fn run(flags: &Flags) -> anyhow::Result<()> {
@@ -22,6 +23,7 @@ pub(crate) fn run(flags: &Flags) -> anyhow::Result<()> {
     let states = device.subscribe::<RobotState>(16);
     let deflections = device.subscribe::<Deflections>(16);
     let object_poses = device.subscribe::<ObjectPose>(16);
+    let tasks = device.subscribe::<Task>(16);
     let peers = device.subscribe::<NodeStatus>(16);
     let device = device.start()?;
     let timing = &shell.scenario.timing;
@@ -33,6 +35,7 @@ pub(crate) fn run(flags: &Flags) -> anyhow::Result<()> {
         sensor_boot_id: Stamp::lockstep(0, timing.seed, Role::Sensor).boot_id,
         controller: Controller::new(&shell.scenario),
         inputs: Inputs::new(&shell.scenario.object_sensor),
+        agenda: Agenda::default(),
         answers: [const { None }; 2],
     };
     loop {
@@ -47,6 +50,10 @@ pub(crate) fn run(flags: &Flags) -> anyhow::Result<()> {
             },
             recv(object_poses.receiver()) -> received => match received {
                 Ok(Received { message, .. }) => node.take_object_pose(&mut shell, &device, message),
+                Err(_) => break shell.report(&Problem::LinkEnded),
+            },
+            recv(tasks.receiver()) -> received => match received {
+                Ok(Received { message, .. }) => node.take_task(&message),
                 Err(_) => break shell.report(&Problem::LinkEnded),
             },
             recv(peers.receiver()) -> received => match received {
@@ -68,6 +75,8 @@ struct Node {
     sensor_boot_id: i64,
     controller: Controller,
     inputs: Inputs,
+    /// What people ask for, until its cycle.
+    agenda: Agenda,
     /// What was answered to the last state.
     answers: [Option<Encoded>; 2],
 }
@@ -127,6 +136,13 @@ impl Node {
         }
     }
 
+    /// Requests wait for their cycle, also before the robot's greeting.
+    fn take_task(&mut self, task: &Task) {
+        if !self.agenda.add(task) {
+            tracing::debug!(step = task.stamp.step, "a request waits already, or too many do");
+        }
+    }
+
     /// Whether a message of the sensor is newer than the `known` one; one that can't be breaks the lockstep.
     fn is_news(&self, shell: &mut Shell, found: Stamp, known: Option<Stamp>) -> bool {
         if !shell.works() {
@@ -155,6 +171,9 @@ impl Node {
             return;
         };
         let (tick, started) = (state.stamp.step, clock::now());
+        if let Some(task) = self.agenda.due(tick) {
+            self.controller.request(&task);
+        }
         let outputs = self.controller.cycle(state, deflections, object_pose);
         self.answers = [
             shell.publish(device, &outputs.command),

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use spatial::kinematics::Axes;
 use spatial::ports::{
     Authenticity, Command, ControllerPhase, ControllerStatus, Detection, HORIZON, ImpactAssessment,
-    LIMIT_COLLISION_FORCE_X, LIMIT_DEFLECTION, LIMIT_DRIFT, LIMIT_VELOCITY, ParameterAnswer, Role, Stamp,
+    LIMIT_COLLISION_FORCE_X, LIMIT_DEFLECTION, LIMIT_DRIFT, LIMIT_VELOCITY, Role, Stamp,
 };
 use spatial::{Deflection, Pose, Wrench};
 
@@ -48,11 +48,15 @@ impl Controller {
             oscillation_n: 0.0,
             limits: self.limits,
             program_step: -1,
-            task_step: 0,
-            task_answer: ParameterAnswer::None,
-            task_parameter: -1,
-            task_limit: 0.0,
+            task_step: self.requests.step,
+            task_answer: self.requests.answer,
+            task_parameter: self.requests.parameter,
+            task_limit: self.requests.limit,
         };
+        if let Some(step) = self.program.published() {
+            status.program_step = step;
+        }
+        status.limits |= self.program.failed;
         if let Some(rest) = self.tilting.and_then(|tilting| tilting.measuring(settings)) {
             status.program_step = rest as i32;
         }

@@ -6,10 +6,11 @@ mod laws;
 mod limits;
 mod phases;
 mod protection;
+mod readiness;
 mod samples;
 
 use super::*;
-use node::scenario::{self, SensorOutput};
+use node::scenario::{self, SensorOutput, TaskKind};
 use spatial::ports::{
     Authenticity, ClockEcho, ENCODER_SAMPLES, HORIZON, RobotMode, Role, SampleFlags, Stamp,
 };
@@ -54,6 +55,13 @@ fn sensed(tick: i64, delay: i64, at: impl Fn(i64) -> Deflection) -> Deflections 
     }
 }
 
+/// The paper's scenario with a tool of which nothing is known: it may weigh nothing.
+fn weightless() -> Scenario {
+    let mut scenario = Scenario::default();
+    scenario.controller.tool_mass_kg = 0.0;
+    scenario
+}
+
 fn undeflected(tick: i64) -> Deflections {
     sensed(tick, 0, |_| Deflection::default())
 }
@@ -72,6 +80,7 @@ fn what_the_arm_cannot_reach_is_a_fault_and_it_holds() {
     let mut scenario = Scenario::default();
     scenario.robot.kinematics = scenario::Kinematics::Arm;
     scenario.task.expected_height_m = -2.0;
+    scenario.controller.tool_mass_kg = 0.0;
     scenario.task.approach_speed_m_per_s = 0.5;
     scenario.controller.max_lead_m = 0.1;
     let mut controller = Controller::new(&scenario);

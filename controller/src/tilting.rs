@@ -37,7 +37,14 @@ pub struct Tilting {
     speed_rad_per_s: f64,
     /// Time on the path of the next cycle's first set-point, s.
     elapsed_s: f64,
+    /// How fast that time passes, 0 to 1, and how fast it is to.
+    pace: f64,
+    wanted_pace: f64,
+    begun: bool,
 }
+
+/// How long the path's time takes to stop or to go on, s.
+const PACE_S: f64 = 0.4;
 
 /// Where on the path a time is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,7 +69,35 @@ impl Tilting {
             // Without a lever only the turn counts.
             speed_rad_per_s: (task.approach_speed_m_per_s / d.norm()).min(TURN_RAD_PER_S),
             elapsed_s: 0.0,
+            pace: 0.0,
+            wanted_pace: 0.0,
+            begun: false,
         }
+    }
+
+    /// Begin, or go on after a pause.
+    pub(crate) fn go(&mut self) {
+        // Its path begins at rest.
+        if !self.begun {
+            self.pace = 1.0;
+        }
+        self.begun = true;
+        self.wanted_pace = 1.0;
+    }
+
+    /// Come to rest on the path.
+    pub(crate) fn pause(&mut self) {
+        self.wanted_pace = 0.0;
+    }
+
+    /// The robot rests, whatever has stopped it.
+    pub(crate) fn halt(&mut self) {
+        (self.pace, self.wanted_pace) = (0.0, 0.0);
+    }
+
+    /// Whether it leads the robot.
+    pub(crate) fn begun(&self) -> bool {
+        self.begun
     }
 
     /// The calibration that is asked for, from the axes `start` on; `None`: another task.
@@ -102,10 +137,13 @@ impl Tilting {
         }
         let mut near = *near;
         for (i, slot) in axes.iter_mut().enumerate() {
-            near = kinematics.inverse(&self.sensor_pose(self.elapsed_s + i as f64 * period_s), &near)?;
+            let ahead_s = i as f64 * period_s * self.pace;
+            near = kinematics.inverse(&self.sensor_pose(self.elapsed_s + ahead_s), &near)?;
             *slot = near;
         }
-        self.elapsed_s += period_s;
+        self.elapsed_s += period_s * self.pace;
+        let most = period_s / PACE_S;
+        self.pace += (self.wanted_pace - self.pace).clamp(-most, most);
         Ok((axes, false))
     }
 
@@ -201,6 +239,7 @@ mod tests {
     /// The first set-points of all cycles on a gantry that follows at once, and the rest measured then.
     fn cycles() -> Vec<(Axes, Option<usize>)> {
         let (settings, mut tilting, mut axes) = (settings(), tilting(), Gantry.inverse(&start()));
+        tilting.go();
         let mut cycles = Vec::new();
         while !tilting.done() {
             let (set_points, waits) = tilting.set_points(&settings, &axes, &axes).unwrap();
@@ -268,6 +307,7 @@ mod tests {
     fn the_path_waits_for_the_robot() {
         let (settings, mut tilting, stuck) = (settings(), tilting(), Gantry.inverse(&start()));
         let mut near = stuck;
+        tilting.go();
         for _ in 0..20_000 {
             near = tilting.set_points(&settings, &stuck, &near).unwrap().0[0];
             assert!((near - stuck).xyz().norm() <= 3e-3);

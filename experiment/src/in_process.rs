@@ -5,10 +5,11 @@
 
 use crate::network::Network;
 use controller::Controller;
+use controller::agenda::Agenda;
 use node::scenario::Scenario;
 use robot_sim::RobotSim;
 use sensor_sim::SensorSim;
-use spatial::ports::{Deflections, LinkMotion, ObjectPose, RobotState};
+use spatial::ports::{Deflections, LinkMotion, ObjectPose, RobotState, Task};
 use std::hint::black_box;
 
 /// All that is said within one tick.
@@ -25,7 +26,16 @@ pub struct Tick {
 }
 
 /// Run `scenario` and show each tick to `observe`.
-pub fn run(scenario: &Scenario, mut observe: impl FnMut(&Tick)) {
+pub fn run(scenario: &Scenario, observe: impl FnMut(&Tick)) {
+    run_with(scenario, &[], observe);
+}
+
+/// The same with `tasks`, each of which the first cycle at or after its `utime` follows.
+pub fn run_with(scenario: &Scenario, tasks: &[Task], mut observe: impl FnMut(&Tick)) {
+    let mut agenda = Agenda::default();
+    for task in tasks {
+        agenda.add(task);
+    }
     let mut robot = RobotSim::new(scenario);
     let mut sensor = SensorSim::new(scenario, &robot.link_motion().motion);
     let mut controller = Controller::new(scenario);
@@ -35,8 +45,12 @@ pub fn run(scenario: &Scenario, mut observe: impl FnMut(&Tick)) {
         let robot_state = robot.command_due().then(|| robot.state());
         let sensed = sensor.advance(&link_motion);
         let heard = hear(&mut network, robot_state, &sensed);
-        let answer =
-            heard.map(|(state, deflections, object)| controller.cycle(&state, &deflections, object.as_ref()));
+        let answer = heard.map(|(state, deflections, object)| {
+            if let Some(task) = agenda.due(state.stamp.step) {
+                controller.request(&task);
+            }
+            controller.cycle(&state, &deflections, object.as_ref())
+        });
         observe(&Tick {
             link_motion,
             robot_state,

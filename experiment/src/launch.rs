@@ -96,6 +96,12 @@ pub struct Cell {
 impl Cell {
     /// Start sensor-sim, controller and robot-sim.
     pub fn start(plan: &Plan) -> Result<Self, LaunchError> {
+        Self::start_with(plan, || ())
+    }
+
+    /// The same; `before` is done when only the robot, which begins the run, is still to be started.
+    pub fn start_with(plan: &Plan, before: impl FnOnce()) -> Result<Self, LaunchError> {
+        let mut before = Some(before);
         let mut builder = LcmBuilder::open(&plan.wiring.watch)?;
         let statuses = builder.subscribe(64);
         let mut cell = Self {
@@ -105,6 +111,9 @@ impl Cell {
             statuses,
         };
         for role in [Role::Sensor, Role::Controller, Role::Robot] {
+            if let Some(before) = before.take_if(|_| role == Role::Robot) {
+                before();
+            }
             // A failure drops the cell, which stops those already started.
             cell.nodes.push(Node::start(plan, role)?);
         }

@@ -15,6 +15,7 @@ pub mod linear;
 pub mod metrics;
 pub mod network;
 pub mod out;
+pub mod program;
 pub mod run_port;
 pub mod scenarios;
 pub mod sweep;

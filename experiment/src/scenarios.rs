@@ -5,7 +5,7 @@ use std::io;
 use std::path::PathBuf;
 
 /// Name and text of every built-in scenario.
-const BUILT_IN: [(&str, &str); 9] = [
+const BUILT_IN: [(&str, &str); 11] = [
     ("paper", include_str!("../scenarios/paper.toml")),
     ("arm", include_str!("../scenarios/arm.toml")),
     ("elastic", include_str!("../scenarios/elastic.toml")),
@@ -14,6 +14,8 @@ const BUILT_IN: [(&str, &str); 9] = [
     ("face", include_str!("../scenarios/face.toml")),
     ("conveyor", include_str!("../scenarios/conveyor.toml")),
     ("insert", include_str!("../scenarios/insert.toml")),
+    ("screws", include_str!("../scenarios/screws.toml")),
+    ("peg", include_str!("../scenarios/peg.toml")),
     ("car_body", include_str!("../scenarios/car_body.toml")),
 ];
 
@@ -115,7 +117,7 @@ mod tests {
     fn what_does_not_exist_is_refused_with_what_does() {
         assert_eq!(
             Source::find("papre").unwrap_err().to_string(),
-            "unknown scenario \"papre\"; the built-in ones are: paper, arm, elastic, elastic_arm, expected, face, conveyor, insert, car_body; \
+            "unknown scenario \"papre\"; the built-in ones are: paper, arm, elastic, elastic_arm, expected, face, conveyor, insert, screws, peg, car_body; \
              a path works too: it contains a / or ends with .toml"
         );
         let missing = Source::find("missing.toml").unwrap_err().to_string();

@@ -110,7 +110,12 @@ fn write_figures(f: &mut Formatter<'_>, rows: &[Row], figures: &[Figure]) -> Res
         let cells = join(&means, &worsts);
         columns.push(Column::new(header, cells, Align::Right));
     }
-    for line in 0..=rows.len() {
+    print_columns(f, &columns, rows.len())
+}
+
+/// Header and `rows` rows of `columns`.
+pub(crate) fn print_columns(f: &mut Formatter<'_>, columns: &[Column], rows: usize) -> Result {
+    for line in 0..=rows {
         let cells: Vec<_> = columns.iter().map(|column| column.cell(line)).collect();
         writeln!(f, "{}", cells.join("  ").trim_end())?;
     }
@@ -118,7 +123,7 @@ fn write_figures(f: &mut Formatter<'_>, rows: &[Row], figures: &[Figure]) -> Res
 }
 
 /// A number with fixed decimals, zero without a sign, and `-` for what is no number: never settled.
-fn fixed(value: f64, decimals: usize) -> String {
+pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     if value.is_nan() {
         return "-".to_owned();
     }
@@ -141,20 +146,20 @@ fn join(means: &[String], worsts: &[Option<String>]) -> Vec<String> {
         .collect()
 }
 
-enum Align {
+pub(crate) enum Align {
     Left,
     Right,
 }
 
 /// The cells of a column below its header.
-struct Column {
+pub(crate) struct Column {
     cells: Vec<String>,
     width: usize,
     align: Align,
 }
 
 impl Column {
-    fn new(header: &str, mut cells: Vec<String>, align: Align) -> Self {
+    pub(crate) fn new(header: &str, mut cells: Vec<String>, align: Align) -> Self {
         cells.insert(0, header.to_owned());
         let width = cells.iter().map(String::len).max().unwrap_or(0);
         Self { cells, width, align }

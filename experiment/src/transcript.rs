@@ -4,7 +4,7 @@ use crate::in_process;
 use lcmtypes::{Encoded, EventLogReader, EventLogWriter, LogError, Message};
 use node::scenario::Scenario;
 use spatial::TICK_US;
-use spatial::ports::Invalid;
+use spatial::ports::{Invalid, Task};
 use std::path::Path;
 
 /// One message of a run.
@@ -21,9 +21,14 @@ pub struct Entry {
 /// All messages that the three nodes publish in a run of `scenario`, NODE_STATUS excepted, ordered by tick and
 /// channel.
 pub fn in_process(scenario: &Scenario) -> Result<Vec<Entry>, Invalid> {
+    in_process_with(scenario, &[])
+}
+
+/// The same with `tasks`, as [`in_process::run_with`] takes them.
+pub fn in_process_with(scenario: &Scenario, tasks: &[Task]) -> Result<Vec<Entry>, Invalid> {
     let mut entries = Vec::new();
     let mut failure = None;
-    in_process::run(scenario, |tick| {
+    in_process::run_with(scenario, tasks, |tick| {
         let mut keep = |encoded: Result<Encoded, Invalid>| match encoded {
             Ok(encoded) => entries.push(entry(tick.link_motion.stamp.step, &encoded)),
             Err(invalid) => failure = Some(invalid),

@@ -33,6 +33,7 @@ fn in_line() -> Scenario {
         "tool.centre_of_mass_in_s_m=[0, 0, -0.06]",
         "tool.tcp_in_s_m=[0, 0, -0.15]",
         "controller.tcp_in_s_m=[0, 0, -0.15]",
+        "controller.tool_centre_of_mass_in_s_m=[0, 0, -0.06]",
     ];
     Scenario::default().with(&overrides.map(String::from)).unwrap()
 }

@@ -11,4 +11,5 @@ mod bits;
 mod by_hand;
 mod command;
 mod failures;
+mod programs;
 mod runs;

@@ -48,9 +48,10 @@ impl Motion {
     }
 
     /// The speed (m/s) with which the tool may go on while it is in the air, since it may meet the object at any moment: in
-    /// a bounce that of the approach, towards an object that is lost that of the search. `None`: it is in contact.
+    /// a bounce that of the approach, towards an object that is lost that of the search. `None`: it is in contact, or no law
+    /// acts.
     fn seek_speed(&self, settings: &Settings) -> Option<f64> {
-        let contact = self.contact.filter(|_| self.selection.contains(NORMAL))?;
+        let contact = self.pressing().filter(|_| self.selection.contains(NORMAL))?;
         let approach = settings.task.approach_speed_m_per_s;
         let speed = match contact.lost {
             true => settings.controller.limits.seek_speed_m_per_s.min(approach),
@@ -65,7 +66,7 @@ impl Motion {
 
     /// Where the tcp presses with the allowed force, m: that far below the object of the newest sample, `x_o - C f_max`.
     fn deepest(&self, settings: &Settings) -> Option<f64> {
-        self.contact?;
+        self.pressing()?;
         let object = self.newest.r_from_ta1.translation.vector[NORMAL];
         Some(object - self.compliance.along(NORMAL) * settings.task.max_contact_force_n)
     }

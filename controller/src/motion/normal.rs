@@ -1,11 +1,13 @@
-//! The motion along the normal for a law that plans it, beyond coordinates: the command filters' rates as well.
+//! The motion along the normal as laws and shaping know it: rates that coordinates alone do not tell.
 
 use super::Motion;
 use crate::Settings;
 use crate::command_dynamics::Target;
 use crate::contact::{PREVIEW, Waypoint};
 use crate::dofs::{Dofs, NORMAL};
+use crate::shaping::Point;
 use nalgebra::Vector3;
+use node::scenario::Profile;
 use spatial::TICK_S;
 use spatial::kinematics::{Axes, join, split};
 use spatial::ports::HORIZON;
@@ -34,7 +36,7 @@ impl Motion {
 
     /// The motion along the normal that a law has planned, unless `coordinates` are elsewhere.
     pub(super) fn planned(&self, coordinates: &[Dofs; PREVIEW]) -> Option<&[Waypoint; PREVIEW]> {
-        let motion = self.contact.and(self.force_control.motion())?;
+        let motion = self.pressing().and(self.force_control.motion())?;
         let same = |(waypoint, all): (&Waypoint, &Dofs)| waypoint.position == all[NORMAL];
         motion.iter().zip(coordinates).all(same).then_some(motion)
     }
@@ -63,6 +65,14 @@ impl Motion {
         {
             target.velocity += per_metre * (waypoint.rate - known.velocity[0]);
             target.acceleration += per_metre * (waypoint.change - known.acceleration[0]);
+        }
+    }
+
+    /// How far the hanging tcp leads the deflected one at `point` of its way, m and rad.
+    pub(super) fn lead(&self, settings: &Settings, point: &Point) -> Dofs {
+        match settings.controller.shaping.profile {
+            Profile::Smooth => self.swing.lead(-point.acceleration),
+            Profile::Trapezoid => Dofs::zeros(),
         }
     }
 }

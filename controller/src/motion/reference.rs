@@ -1,4 +1,4 @@
-//! Where the hanging tcp is to be: by its way, by its posture, and by the force laws.
+//! Where the tcp is to be at the coming instants: on its way, in its posture, and where force laws ask for it.
 
 use super::Motion;
 use super::path::since;
@@ -11,7 +11,6 @@ use crate::dofs::{Dofs, NORMAL};
 use crate::expectation::Expectation;
 use crate::shaping::Point;
 use nalgebra::Vector3;
-use node::scenario::{Profile, TaskKind};
 use spatial::TICK_S;
 use spatial::kinematics::{Axes, join};
 
@@ -38,18 +37,23 @@ impl Motion {
         fed_forward: bool,
         known: &mut Option<(Vector3<f64>, f64, Dofs)>,
     ) -> Dofs {
-        let tilt = self.contact.map_or(Share::default(), |contact| {
+        let kept = Share {
+            value: self.share,
+            ..Share::default()
+        };
+        let pressing = self.pressing();
+        let tilt = pressing.map_or(kept, |contact| {
             let time = since(settings, contact.cycle_tick, tick);
-            spread(time, settings.controller.tilt_time_s)
+            spread(time, contact.tilt_time_s)
         });
         let share = if fed_forward {
             tilt.value
         } else {
             self.dynamics.inverse(tilt.value, tilt.rate, tilt.acceleration)
         };
-        let (distance, lead) = match self.contact {
+        let (distance, lead) = match pressing {
             // What the tool was led by then fades away.
-            Some(Contact { met, .. }) if settings.task.kind == TaskKind::Press => {
+            Some(Contact { met, .. }) if !self.inserts => {
                 (met.distance, self.lead(settings, &met) * (1.0 - tilt.value))
             }
             _ => {
@@ -58,7 +62,7 @@ impl Motion {
             }
         };
         let shift = self.path.and_then(|path| path.shift(expectation, tick, distance));
-        let shift = shift.unwrap_or_default();
+        let shift = shift.unwrap_or_default() + self.led(settings, tick);
         let mut coordinates = match *known {
             Some((before, at, coordinates)) if before == shift && at == share => coordinates,
             _ => self.frame.coordinates(&self.posture.reference(shift, share)),
@@ -66,18 +70,14 @@ impl Motion {
         *known = Some((shift, share, coordinates));
         coordinates += lead;
         coordinates[NORMAL] -= distance;
+        if let Some((fade, left)) = self.fade {
+            coordinates += fade.at(since(settings, left, tick) + settings.period_s());
+        }
         coordinates
     }
 
-    /// How far the hanging tcp leads the deflected one at `point` of its way, m and rad.
-    fn lead(&self, settings: &Settings, point: &Point) -> Dofs {
-        match settings.controller.shaping.profile {
-            Profile::Smooth => self.swing.lead(-point.acceleration),
-            Profile::Trapezoid => Dofs::zeros(),
-        }
-    }
-
-    /// What the force laws ask for at the ticks `reached`; `actual` are the newest encoder values.
+    /// What the force laws ask for at the ticks `reached`.
+    /// `actual` are the newest encoder values.
     pub(super) fn demand(
         &mut self,
         settings: &Settings,
@@ -89,7 +89,7 @@ impl Motion {
             commanded,
             ..
         } = self.plan;
-        let period_s = settings.period_ticks as f64 * TICK_S;
+        let period_s = settings.period_s();
         let r_from_s = settings.kinematics.forward(actual);
         let actual = self.frame.coordinates(&self.posture.hanging_tcp(&r_from_s));
         let desired_wrench = join(settings.desired.force, settings.desired.moment);

@@ -69,6 +69,12 @@ pub(super) struct Contact {
     pub(super) cycle_tick: i64,
     /// Where on its way the robot will be then, when what it is told can act.
     pub(super) met: Point,
+    /// Where the deflected tcp was then, m in r.
+    pub(super) height_m: f64,
+    /// Time over which the posture is taken, s.
+    pub(super) tilt_time_s: f64,
+    /// No law acts any more: the tool is held where it is, or leaves the object.
+    pub(super) released: bool,
     /// Whether the tool has lost the object.
     pub(super) lost: bool,
     /// Whether the newest sample shows less force than a contact: the tool may be in the air.
@@ -78,19 +84,21 @@ pub(super) struct Contact {
 }
 
 /// How long the tool stays in the air after an impact at most (PLANT.md section 7: some 5 ms).
-const LONGEST_BOUNCE_TICKS: i64 = 30;
+pub(super) const LONGEST_BOUNCE_TICKS: i64 = 30;
 
 impl Contact {
-    /// Detected by the sample of `sample_tick` in the cycle at `cycle_tick`, with the robot at `met` on its way when that can
-    /// act.
-    pub(super) fn new(sample_tick: i64, cycle_tick: i64, met: Point) -> Self {
+    /// Detected by what was `sensed` in the cycle at `cycle_tick`, with the robot at `met` on its way when that can act.
+    pub(super) fn new(settings: &Settings, sensed: &Sensed, cycle_tick: i64, met: Point) -> Self {
         Self {
-            sample_tick,
+            sample_tick: sensed.sample.tick,
             cycle_tick,
             met,
+            height_m: sensed.r_from_ta1.translation.vector[NORMAL],
+            tilt_time_s: settings.controller.tilt_time_s,
+            released: false,
             lost: false,
             airborne: false,
-            touched_tick: sample_tick,
+            touched_tick: sensed.sample.tick,
         }
     }
 

@@ -1,4 +1,4 @@
-//! Levers, torques and compliance of the tcp where it hangs.
+//! From wrenches and accelerations at the tcp to the axes.
 
 use super::Motion;
 use crate::Settings;

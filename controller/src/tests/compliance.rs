@@ -5,7 +5,7 @@ use super::*;
 /// The last status of a controller whose sensor is `factor` times as compliant as assumed, under its tool's weight and,
 /// from 0.4 s on, 10 N at the tcp. What of the wrench is measured, `flag` says by the tick.
 fn pressed(factor: f64, output: SensorOutput, flag: impl Fn(i64) -> SampleFlags) -> ControllerStatus {
-    let mut scenario = Scenario::default();
+    let mut scenario = weightless();
     scenario.controller.sensor_output = output;
     scenario.controller.adaptation.enabled = true;
     let real = Compliance::isotropic(factor / 300e3, factor / 401.07);
@@ -92,7 +92,7 @@ fn only_a_measured_wrench_counts() {
 #[test]
 fn the_threshold_is_above_the_noise() {
     let threshold = |noise_m: f64| {
-        let scenario = Scenario::default();
+        let scenario = weightless();
         let mut controller = Controller::new(&scenario);
         let axes = scenario.start_axes().unwrap();
         // Up and down, with this standard deviation.
@@ -113,7 +113,7 @@ fn the_threshold_is_above_the_noise() {
 /// Level, six tilts and back; the index of the rest is published while it is measured, and only then.
 #[test]
 fn a_calibration_goes_through_its_rests_and_comes_back() {
-    let mut scenario = Scenario::default();
+    let mut scenario = weightless();
     scenario.task.kind = TaskKind::Calibrate;
     scenario.task.calibration_rest_s = 0.2;
     scenario.task.approach_speed_m_per_s = 0.1;

@@ -27,7 +27,7 @@ fn approach(scenario: &Scenario) -> Vec<(ControllerStatus, f64)> {
 /// 107.264 N at 20 mm/s (PLANT.md section 5), told all along the cruise and kept after the contact.
 #[test]
 fn the_impact_is_told_in_every_cycle_and_kept_after_the_contact() {
-    let statuses = approach(&Scenario::default());
+    let statuses = approach(&weightless());
     let (first, _) = &statuses[0];
     assert_eq!(first.impact, Default::default());
     let contact = statuses
@@ -54,7 +54,7 @@ fn the_impact_is_told_in_every_cycle_and_kept_after_the_contact() {
 /// 26.816 N are a quarter of that: 5 mm/s, said with bit 2 as long as the approach lasts.
 #[test]
 fn the_approach_is_slowed_to_the_allowed_force() {
-    let mut scenario = Scenario::default();
+    let mut scenario = weightless();
     scenario.task.max_impact_force_n = 26.816;
     let statuses = approach(&scenario);
     let approaching = statuses

@@ -11,7 +11,7 @@ fn the_literal_law_commands_equation_2_of_the_newest_sample() {
     let compliance = 28.266_64e-6;
     let delay = 5;
     for pairing in [Pairing::Sampling, Pairing::Arrival] {
-        let mut scenario = Scenario::default();
+        let mut scenario = weightless();
         scenario.controller.law = Law::Literal;
         scenario.controller.transform = scenario::Transform::Twist;
         scenario.controller.pairing = pairing;

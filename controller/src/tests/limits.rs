@@ -31,7 +31,7 @@ fn stretch() -> impl Strategy<Value = Stretch> {
 }
 
 fn scenario(law: usize, arm: bool, tight: bool) -> Scenario {
-    let mut scenario = Scenario::default();
+    let mut scenario = weightless();
     let laws = [Law::Pd, Law::PdReset, Law::Literal, Law::Proposed, Law::Impedance];
     scenario.controller.law = laws[law];
     // Faults would end most stretches.

@@ -26,7 +26,7 @@ fn phases(scenario: &Scenario, force: impl Fn(i64) -> f64) -> Vec<(i64, Controll
 /// 0.5 N in a row, which are 13 cycles of 4 ms; one cycle outside starts them anew, and ends what had settled.
 #[test]
 fn each_phase_begins_in_its_cycle() {
-    let found = phases(&Scenario::default(), |tick| match tick {
+    let found = phases(&weightless(), |tick| match tick {
         ..400 => 0.0,
         400..440 => 5.0,
         480..484 => 10.6,
@@ -50,7 +50,7 @@ fn each_phase_begins_in_its_cycle() {
 /// A force that is there before the approach is none of its contacts, and counts once the approach begins.
 #[test]
 fn only_the_approach_meets_an_object() {
-    let found = phases(&Scenario::default(), |tick| if tick < 230 { 0.0 } else { 3.0 });
+    let found = phases(&weightless(), |tick| if tick < 230 { 0.0 } else { 3.0 });
     assert_eq!(
         found,
         [
@@ -65,7 +65,7 @@ fn only_the_approach_meets_an_object() {
 
 #[test]
 fn without_a_valid_sample_it_stays_in_sync() {
-    let scenario = Scenario::default();
+    let scenario = weightless();
     let mut controller = Controller::new(&scenario);
     let axes = scenario.start_axes().unwrap();
     for tick in (0..=400).step_by(4) {
@@ -79,7 +79,7 @@ fn without_a_valid_sample_it_stays_in_sync() {
 /// the fault stays, whatever comes, and the robot where it is.
 #[test]
 fn a_search_that_ends_latches_no_contact_and_holds() {
-    let scenario = Scenario::default();
+    let scenario = weightless();
     let mut controller = Controller::new(&scenario);
     let mut axes = scenario.start_axes().unwrap();
     let bottom = axes.z - 0.035;
@@ -116,7 +116,7 @@ fn a_search_that_ends_latches_no_contact_and_holds() {
 /// `max_lead_m` = 3 mm ahead of a robot that is stuck, and no more; said with bit 1, until the robot follows.
 #[test]
 fn the_lead_is_bounded_and_its_bit_says_so() {
-    let scenario = Scenario::default();
+    let scenario = weightless();
     let mut controller = Controller::new(&scenario);
     let mut axes = scenario.start_axes().unwrap();
     let mut bound_ticks = Vec::new();
@@ -153,7 +153,7 @@ fn the_lead_is_bounded_and_its_bit_says_so() {
 /// Bit 32: the newest sample is at the end of its range.
 #[test]
 fn a_saturated_deflection_is_said() {
-    let scenario = Scenario::default();
+    let scenario = weightless();
     let mut controller = Controller::new(&scenario);
     let axes = scenario.start_axes().unwrap();
     for tick in (0..=400).step_by(4) {
@@ -168,7 +168,7 @@ fn a_saturated_deflection_is_said() {
 /// A sensor that brings nothing new for 20 ms is a fault; the axes stay where they were sent, also when it speaks again.
 #[test]
 fn a_silent_sensor_is_a_fault_and_holds() {
-    let scenario = Scenario::default();
+    let scenario = weightless();
     let mut controller = Controller::new(&scenario);
     let mut axes = scenario.start_axes().unwrap();
     let mut held = None;

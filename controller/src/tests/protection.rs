@@ -48,7 +48,7 @@ fn pushed(scenario: &Scenario, from: i64, push: &Deflection) -> (Outputs, Contro
 /// where it was sent.
 #[test]
 fn a_collision_stops_the_robot_and_names_axis_and_value() {
-    let scenario = Scenario::default();
+    let scenario = weightless();
     let phases = [(240, Ready), (360, Approach), (440, Contact), (700, Settled)];
     for (from, phase) in phases {
         let free = from < 400;
@@ -104,7 +104,7 @@ fn a_collision_stops_the_robot_and_names_axis_and_value() {
 /// More along the normal than allowed is a fault of its own.
 #[test]
 fn too_much_force_is_a_fault() {
-    let mut scenario = Scenario::default();
+    let mut scenario = weightless();
     scenario.task.max_contact_force_n = 25.0;
     let push = under(Vector3::z() * 20.0, Vector3::zeros());
     for (from, phase) in [(440, Contact), (700, Settled)] {
@@ -118,7 +118,7 @@ fn too_much_force_is_a_fault() {
 /// A pd law that pushes on, since the sensor shows too little force, never asks for more than allowed.
 #[test]
 fn no_law_presses_harder_than_allowed() {
-    let mut scenario = Scenario::default();
+    let mut scenario = weightless();
     scenario.controller.law = spatial::ports::Law::Pd;
     scenario.task.max_contact_force_n = 15.0;
     let mut controller = Controller::new(&scenario);
@@ -149,7 +149,7 @@ fn no_law_presses_harder_than_allowed() {
 fn a_lost_object_is_sought_slowly() {
     use spatial::ports::Law;
     for law in [Law::Pd, Law::PdReset, Law::Literal, Law::Proposed, Law::Impedance] {
-        let mut scenario = Scenario::default();
+        let mut scenario = weightless();
         scenario.controller.law = law;
         scenario.controller.pd.proportional_m_per_n = 1e-4;
         scenario.controller.limits.seek_speed_m_per_s = 0.004;

@@ -20,7 +20,7 @@ fn hanging(scenario: &Scenario) -> (Controller, Axes, Deflection) {
 /// Paper (5), (6): a force at d = (0.10, 0, -0.15) m exerts d x f about the sensor, which is no moment at the tcp.
 #[test]
 fn a_force_at_the_tcp_is_a_force_without_moment_there() {
-    let scenario = Scenario::default();
+    let scenario = weightless();
     let (mut controller, axes, sag) = hanging(&scenario);
     let forces = [
         (Vector3::x(), Vector3::new(0.0, -0.15, 0.0)),
@@ -46,7 +46,7 @@ fn a_force_at_the_tcp_is_a_force_without_moment_there() {
 /// A moment is the same everywhere.
 #[test]
 fn a_moment_is_a_moment_without_force() {
-    let (mut controller, axes, sag) = hanging(&Scenario::default());
+    let (mut controller, axes, sag) = hanging(&weightless());
     let moment = Vector3::new(0.3, -0.2, 0.1);
     let turned = Deflection {
         rotation: sag.rotation + moment * (1f64.to_radians() / 7.0),
@@ -73,7 +73,7 @@ fn the_object_stands_still_however_fast_the_robot_and_late_the_sensor() {
         (0.020, 20.0, 7),
         (0.1, 80.0, 32),
     ] {
-        let mut scenario = Scenario::default();
+        let mut scenario = weightless();
         scenario.controller.law = Law::Literal;
         // Pushed by centimetres, as no sensor is.
         scenario.controller.collision.enabled = false;
@@ -109,7 +109,7 @@ fn the_object_stands_still_however_fast_the_robot_and_late_the_sensor() {
 #[test]
 fn a_force_sample_stands_for_the_deflection_under_it() {
     let run = |output: SensorOutput| -> Vec<Outputs> {
-        let mut scenario = Scenario::default();
+        let mut scenario = weightless();
         scenario.controller.sensor_output = output;
         let mut controller = Controller::new(&scenario);
         let start = scenario.start_axes().unwrap();
@@ -157,7 +157,7 @@ fn a_force_sample_stands_for_the_deflection_under_it() {
 /// An approach towards an object that a non-contact sensor is to show begins once it has been seen.
 #[test]
 fn the_approach_waits_for_the_object_to_be_seen() {
-    let mut scenario = Scenario::default();
+    let mut scenario = weightless();
     scenario.controller.expected.from = scenario::ExpectedFrom::ObjectSensor;
     scenario.controller.expected.object_motion = scenario::ObjectMotion::Fixed;
     let axes = scenario.start_axes().unwrap();

@@ -12,6 +12,7 @@ mod free_motion;
 mod impact;
 mod run;
 mod sweep;
+mod task;
 mod tune;
 
 use anyhow::Result;
@@ -60,6 +61,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Run(run::Args),
+    Task(task::Args),
     Compare(compare::Args),
     Tune(tune::Args),
     Sweep(sweep::Args),
@@ -148,6 +150,7 @@ pub(crate) fn main() -> ExitCode {
     node::shell::log_to_stderr();
     let outcome = match &cli.command {
         Command::Run(args) => run::run(args),
+        Command::Task(args) => task::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Tune(args) => tune::run(args),
         Command::Sweep(args) => sweep::run(args),

@@ -1,5 +1,7 @@
 //! `touchdown run`.
 
+mod program;
+
 use super::{Header, ScenarioArgs, distinct, print, print_json, progress, word};
 use anyhow::{Context, Result};
 use crossbeam::channel::Receiver;
@@ -10,7 +12,7 @@ use experiment::out::Workplace;
 use experiment::run_port::RunPort;
 use experiment::scenarios::Source;
 use experiment::table::{Row, Table};
-use experiment::transcript;
+use experiment::transcript::{self, Entry};
 use node::scenario::Scenario;
 use serde::Serialize;
 use std::fs;
@@ -24,8 +26,9 @@ use std::time::Duration;
 pub(crate) struct Args {
     #[command(flatten)]
     scenario: ScenarioArgs,
-    /// Control laws, one run each: pd, pd-reset, literal, proposed, impedance, ros2, fzi
-    #[arg(long, value_delimiter = ',', default_value = "pd,proposed")]
+    /// Control laws, one run each: pd, pd-reset, literal, proposed, impedance, ros2, fzi [default: pd,proposed; of a
+    /// program proposed]
+    #[arg(long, value_delimiter = ',')]
     laws: Vec<String>,
     /// Directory for figure and data
     #[arg(long, default_value = "touchdown-out", value_name = "DIR")]
@@ -50,6 +53,13 @@ struct Report<'a> {
     rows: Vec<Row>,
 }
 
+/// One run to be made.
+struct Run {
+    law: String,
+    scenario: Scenario,
+    overrides: Vec<String>,
+}
+
 /// How long a port is listened to before it is used.
 const QUIET: Duration = Duration::from_millis(200);
 /// The figure's name.
@@ -62,16 +72,29 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     let (source, scenario) = args.scenario.read()?;
     let mut overrides = args.scenario.overrides.clone();
     overrides.extend(args.seed.map(|seed| format!("timing.seed={seed}")));
-    let runs = args.laws.iter().map(|law| {
+    let steps = !scenario.program.steps().is_empty();
+    let laws = match (args.laws.as_slice(), steps) {
+        ([], false) => ["pd", "proposed"].map(str::to_owned).to_vec(),
+        ([], true) => vec!["proposed".to_owned()],
+        (laws, _) => laws.to_vec(),
+    };
+    let runs = laws.iter().map(|law| {
         let mut overrides = overrides.clone();
         overrides.push(format!("controller.law={law}"));
-        Ok((law.as_str(), source.scenario(&overrides)?, overrides))
+        Ok(Run {
+            law: law.clone(),
+            scenario: source.scenario(&overrides)?,
+            overrides,
+        })
     });
     let runs: Vec<_> = runs.collect::<Result<_>>()?;
 
     let stop = node::shell::signals()?;
     let mut place = Workplace::new(&args.out)
         .with_context(|| format!("can't create a directory in {}", args.out.display()))?;
+    if steps {
+        return program::run(args, &source, &runs, place, &stop);
+    }
     let measured = measure(args, &source, &runs, &mut place, &stop);
     // What is complete is kept, also of a run that gave no figures: it shows why.
     place
@@ -89,7 +112,7 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     } else {
         print(Table(&rows))?;
         let data = |law: &String| format!("{0}.lcmlog, {0}.csv", args.out.join(law).display());
-        let data: Vec<_> = args.laws.iter().map(data).collect();
+        let data: Vec<_> = laws.iter().map(data).collect();
         print(format_args!(
             "\nfigure: {}\ndata:   {}\n",
             args.out.join(FIGURE).display(),
@@ -103,30 +126,12 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
 fn measure(
     args: &Args,
     source: &Source,
-    runs: &[(&str, Scenario, Vec<String>)],
+    runs: &[Run],
     place: &mut Workplace,
     stop: &Receiver<()>,
 ) -> Result<Vec<Row>> {
-    let port = match args.port {
-        Some(port) => RunPort::fixed(port, QUIET)?,
-        None => RunPort::free(QUIET)?,
-    };
-    let file = place.path().join(SCENARIO);
-    fs::write(&file, &source.text).with_context(|| format!("can't write {}", file.display()))?;
-    let (mut rows, mut curves) = (Vec::new(), Vec::new());
-    for (law, scenario, overrides) in runs {
-        let plan = Plan {
-            programs: launch::programs()?,
-            scenario: file.clone(),
-            overrides: overrides.clone(),
-            wiring: Wiring::shared(&port.device_url(), &port.simulation_url()),
-            run_id: i64::from(std::process::id()),
-            directory: place.path().to_owned(),
-        };
-        let progress = progress("{msg:10} {bar:40} {pos}/{len} ticks", scenario.timing.ticks())
-            .with_message(String::from(*law));
-        let entries = launch::run(&plan, stop, |tick| progress.set_position(tick.max(0) as u64))?;
-        progress.finish_and_clear();
+    let measured = experiment(args, source, runs, place, stop, |place, run, entries| {
+        let Run { law, scenario, .. } = run;
         let (recording, measured) = Recording::from_transcript(scenario, &entries);
         place.result(format!("{law}.lcmlog"), |path| {
             transcript::write_log(path, &entries)
@@ -137,10 +142,44 @@ fn measure(
         let curve = LabelledCurve::new(law, scenario, &recording, measured)
             .with_context(|| format!("law {law}, whose data are in {}", args.out.display()))?;
         let (gears, kinematics) = (word(scenario.robot.gears), word(scenario.robot.kinematics));
-        rows.push(Row::single(&gears, &kinematics, law, curve.metrics));
-        curves.push(curve);
-    }
+        Ok((Row::single(&gears, &kinematics, law, curve.metrics), curve))
+    })?;
+    let (rows, curves): (Vec<_>, Vec<_>) = measured.into_iter().unzip();
     place.result(FIGURE.to_owned(), |path| force_figure(&curves, path))?;
     place.result(SCENARIO.to_owned(), |_| Ok::<_, io::Error>(()))?;
     Ok(rows)
+}
+
+/// Make one run after the other; what was said in it goes to `told`.
+fn experiment<T>(
+    args: &Args,
+    source: &Source,
+    runs: &[Run],
+    place: &mut Workplace,
+    stop: &Receiver<()>,
+    mut told: impl FnMut(&mut Workplace, &Run, Vec<Entry>) -> Result<T>,
+) -> Result<Vec<T>> {
+    let port = match args.port {
+        Some(port) => RunPort::fixed(port, QUIET)?,
+        None => RunPort::free(QUIET)?,
+    };
+    let file = place.path().join(SCENARIO);
+    fs::write(&file, &source.text).with_context(|| format!("can't write {}", file.display()))?;
+    let mut all = Vec::new();
+    for run in runs {
+        let plan = Plan {
+            programs: launch::programs()?,
+            scenario: file.clone(),
+            overrides: run.overrides.clone(),
+            wiring: Wiring::shared(&port.device_url(), &port.simulation_url()),
+            run_id: i64::from(std::process::id()),
+            directory: place.path().to_owned(),
+        };
+        let progress = progress("{msg:10} {bar:40} {pos}/{len} ticks", run.scenario.timing.ticks())
+            .with_message(run.law.clone());
+        let entries = launch::run(&plan, stop, |tick| progress.set_position(tick.max(0) as u64))?;
+        progress.finish_and_clear();
+        all.push(told(place, run, entries)?);
+    }
+    Ok(all)
 }

@@ -52,6 +52,7 @@ impl Scenario {
         self.check_deflection(&mut conflicts);
         self.check_profile(&mut conflicts);
         self.check_kind(&mut conflicts);
+        self.check_program(&mut conflicts);
         self.check_servo(&mut conflicts);
         self.check_shaping(&mut conflicts);
         self.check_output(&mut conflicts);
@@ -59,6 +60,12 @@ impl Scenario {
         self.check_object_sensor(&mut conflicts);
         self.check_protection(&mut conflicts);
         conflicts.0
+    }
+
+    /// Whether all values can be together, as [`Scenario::load`] asks for: of a scenario whose values were set one by
+    /// one.
+    pub fn is_consistent(&self) -> bool {
+        self.conflicts().is_empty()
     }
 
     fn check_task(&self, conflicts: &mut Conflicts) {
@@ -147,12 +154,13 @@ impl Scenario {
     }
 
     fn check_deflection(&self, conflicts: &mut Conflicts) {
-        let (sensor, force) = (&self.sensor, self.task.desired_force_n);
+        let force = self.task.desired_force_n.max(self.program.largest_force_n());
+        let sensor = &self.sensor;
         let [hanging, pressing] = [self.deflection_under(0.0), self.deflection_under(force)];
         let largest =
             |a: [f64; 3], b: [f64; 3]| a.iter().chain(&b).fold(0.0_f64, |most, x| most.max(x.abs()));
         let what = format!(
-            "the tool, hanging freely or pressing with task.desired_force_n, {} N,",
+            "the tool, hanging freely or pressing with task.desired_force_n or a step's, {} N,",
             short(force)
         );
         let remedy = "stiffen the sensor, widen its range or load it less";

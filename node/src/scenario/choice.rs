@@ -63,6 +63,38 @@ pub enum TaskKind {
     Calibrate,
 }
 
+/// What a step of a program does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StepKind {
+    /// Move freely to a position.
+    #[default]
+    Move,
+    /// Move down until the object is met.
+    Approach,
+    /// Press with a force for a time.
+    Press,
+    /// Stay, pressing or not, for a time.
+    Hold,
+    /// Press and move along a spiral until the tool sinks or nothing bears it.
+    Search,
+    /// Reach a depth within a tolerance, giving way sideways.
+    Insert,
+    /// Leave the object along the normal.
+    Retract,
+    /// Go on to the next workpiece: back to an earlier step, with an offset, until all are done.
+    Next,
+}
+
+/// What follows a step that fails.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum OnFailure {
+    /// A fault latches.
+    #[default]
+    Fault,
+    /// The program goes on with its next retraction; without one a fault latches.
+    Retract,
+}
+
 /// Where the object's pose is known from before the contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ExpectedFrom {
@@ -145,6 +177,11 @@ pub(super) trait Choice: Debug {
     fn choose(&mut self, word: &str) -> bool;
 }
 
+/// The word that the scenario has for `choice`.
+pub(super) fn word(choice: &impl Choice) -> &'static str {
+    choice.word()
+}
+
 macro_rules! choice {
     ($type:ident: $($word:literal => $variant:ident),+ $(; planned: $($planned:literal),+)?) => {
         impl Choice for $type {
@@ -178,6 +215,9 @@ choice!(Gears: "rigid" => Rigid, "elastic" => Elastic);
 choice!(Pairing: "sampling" => Sampling, "arrival" => Arrival);
 choice!(Transform: "exact" => Exact, "twist" => Twist);
 choice!(TaskKind: "press" => Press, "position" => Position, "calibrate" => Calibrate);
+choice!(StepKind: "move" => Move, "approach" => Approach, "press" => Press, "hold" => Hold, "search" => Search,
+    "insert" => Insert, "retract" => Retract, "next" => Next);
+choice!(OnFailure: "fault" => Fault, "retract" => Retract);
 choice!(ExpectedFrom: "nothing" => Nothing, "model" => Model, "object-sensor" => ObjectSensor);
 choice!(ObjectMotion: "fixed" => Fixed, "steady" => Steady, "accelerated" => Accelerated);
 choice!(Profile: "smooth" => Smooth, "trapezoid" => Trapezoid);

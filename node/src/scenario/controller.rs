@@ -52,6 +52,15 @@ schema::section! {
         drift_limit_n: f64 = 0.4, in 1e-3..=1e4;
         /// How long the sensor may bring nothing new before that is a fault.
         stale_fault_s: f64 = 0.020, in 1e-3..=10.0;
+        /// How many times heavier, or lighter, than tool_mass_kg the tool may look on its sensor before a start is refused.
+        plausible_mass_ratio: f64 = 4.0, in 1.01..=1e3;
+        /// How far the direction of what the sensor bears at rest may be from that of the known tool's weight, and from the
+        /// axis about which that turns the sensor: farther, and the sensor's frame is not the configured one.
+        plausible_turn_rad: f64 = 0.5, in 0.01..=1.5;
+        /// Bias of the sensor, in N of its force along r's x and y, beyond which a start is refused.
+        plausible_bias_n: f64 = 10.0, in 1e-3..=1e5;
+        /// Over how long a parameter changed at run time is brought to its new value.
+        slew_s: f64 = 0.2, in 1e-3..=10.0;
         /// Deviation from the desired force within which the force counts as settled.
         settled_band_n: f64 = 0.5, in 1e-3..=1e4;
         /// Time over which the tilt to the desired posture is spread after contact.

@@ -52,6 +52,8 @@ pub(super) enum Refusal {
     UnknownSection { path: String, known: String, near: Near },
     #[error("{path} is {found}, not a section; write [{path}] and its keys on the lines below")]
     NotASection { path: String, found: String },
+    #[error("{path} is {found}, not a list of steps; write [[{path}]] before the keys of each step")]
+    NotSteps { path: String, found: String },
     #[error("{path} is {found}, not {expected}; choose {allowed}")]
     WrongType {
         path: String,

@@ -9,7 +9,9 @@ impl Scenario {
     /// It depends on every value's bits, not on how the file writes, orders or comments them.
     pub fn hash(&self) -> i64 {
         let mut digest = Sha256::new();
-        for field in self.clone().fields() {
+        let (mut scenario, mut steps) = (self.clone(), self.program.steps().to_vec());
+        let of_steps = steps.iter_mut().flat_map(|step| step.fields());
+        for field in scenario.fields().chain(of_steps) {
             digest.update(field.path);
             digest.update([0]);
             match field.slot {

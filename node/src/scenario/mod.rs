@@ -20,6 +20,7 @@ mod hash;
 mod names;
 mod network;
 mod object_sensor;
+mod program;
 mod protection;
 mod reach;
 mod read;
@@ -33,14 +34,15 @@ mod value;
 
 pub use adaptation::Adaptation;
 pub use choice::{
-    ExpectedFrom, Gears, Kinematics, ObjectMotion, Pairing, Profile, SensorOutput, TaskKind, TimingMode,
-    ToolShape, Transform,
+    ExpectedFrom, Gears, Kinematics, ObjectMotion, OnFailure, Pairing, Profile, SensorOutput, StepKind,
+    TaskKind, TimingMode, ToolShape, Transform,
 };
 pub use controller::{AssumedServo, Controller, Expected, Fzi, Impact, Impedance, Pd, Proposed, Ros2};
 pub use elastic::{AssumedGears, ElasticLaw};
 pub use error::ScenarioError;
 pub use network::Network;
 pub use object_sensor::ObjectSensor;
+pub use program::{Program, Step, Steps};
 pub use protection::{Collision, Cusum, Limits};
 pub use robot::Drives;
 pub use schema::{Allowed, Key};
@@ -51,7 +53,7 @@ pub use task::{ForceControlled, Task};
 schema::section! {
     /// One experiment: what is, what is asked for, and what the controller assumes.
     Scenario at "" with timing: Timing, network: Network, robot: Robot, sensor: Sensor, tool: Tool, object: Object,
-        object_sensor: ObjectSensor, task: Task, controller: Controller {}
+        object_sensor: ObjectSensor, task: Task, program: Program, controller: Controller {}
 }
 
 schema::section! {

@@ -129,6 +129,13 @@ fn refuse(conflicts: &mut Conflicts, keys: &'static [&'static str], what: &str, 
     conflicts.require(false, keys, format!("{what} can't be reached: {reason}"));
 }
 
+impl Scenario {
+    /// Whether all `axes` are within their ranges.
+    pub(super) fn within_range(&self, axes: &Axes) -> bool {
+        outside(&self.robot.drives(), axes).next().is_none()
+    }
+}
+
 /// The axes that are outside their (sensible) range.
 fn outside(drives: &Drives, axes: &Axes) -> impl Iterator<Item = usize> {
     (0..6).filter(|&i| {

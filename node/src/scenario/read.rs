@@ -5,6 +5,7 @@ use super::{
     check::Conflict,
     error::{Place, Problem, Refusal, ScenarioError},
     names::{sections, unknown},
+    program::{Step, Steps},
     schema::Field,
     value::describe,
 };
@@ -126,6 +127,9 @@ impl<'a> Reader<'a> {
             }
             return;
         }
+        if path == "program.step" {
+            return self.steps(key, value, place);
+        }
         let is_section = sections().contains(&path);
         match value.get_ref() {
             DeValue::Table(table) if is_section => self.table(path, table, place),
@@ -138,6 +142,33 @@ impl<'a> Reader<'a> {
             }
             value => self.refuse(place(key), unknown(path, value.is_table())),
         }
+    }
+
+    /// The steps of a program.
+    fn steps(
+        &mut self,
+        key: Range<usize>,
+        value: &Spanned<DeValue<'_>>,
+        place: &impl Fn(Range<usize>) -> Place,
+    ) {
+        let tables = value.get_ref().as_array();
+        let tables: Option<Vec<_>> = tables.and_then(|items| items.iter().map(as_table).collect());
+        let Some(tables) = tables else {
+            let (path, found) = ("program.step".to_owned(), describe(value.get_ref()));
+            self.refuse(place(key), Refusal::NotSteps { path, found });
+            return;
+        };
+        let mut steps = Vec::new();
+        for (i, (span, table)) in tables.into_iter().enumerate() {
+            match Step::read(i, table, &place(span), place) {
+                Ok(step) => steps.push(step),
+                Err(refused) => refused
+                    .into_iter()
+                    .for_each(|(place, refusal)| self.refuse(place, refusal)),
+            }
+        }
+        self.scenario.program.steps = Steps(steps);
+        self.places.insert("program.step".to_owned(), place(key));
     }
 
     fn finish(mut self) -> Result<Scenario, ScenarioError> {
@@ -154,6 +185,11 @@ impl<'a> Reader<'a> {
             Err(ScenarioError::new(self.problems))
         }
     }
+}
+
+/// Where a table is, and what is in it.
+fn as_table<'a, 'b>(item: &'a Spanned<DeValue<'b>>) -> Option<(Range<usize>, &'a DeTable<'b>)> {
+    Some((item.span(), item.get_ref().as_table()?))
 }
 
 /// The value of an assignment: TOML, or a single word.

@@ -180,14 +180,26 @@ pub(super) use section;
 impl Scenario {
     /// Every key there is, in the order of declaration.
     pub fn keys() -> Vec<Key> {
-        let describe = |field: Field<'_>| Key {
-            path: field.path,
-            unit: unit(field.path),
-            default: field.slot.to_toml(),
-            allowed: field.slot.allowed(),
-            doc: field.doc,
-        };
         Self::default().fields().map(describe).collect()
+    }
+
+    /// What the key `path` accepts, if it is a number or an array of numbers.
+    pub fn limits(path: &str) -> Option<RangeInclusive<f64>> {
+        match Self::keys().into_iter().find(|key| key.path == path)?.allowed {
+            Allowed::Number(limits) | Allowed::Array(limits, _) => Some(limits),
+            _ => None,
+        }
+    }
+}
+
+/// A field as a key.
+pub(super) fn describe(field: Field<'_>) -> Key {
+    Key {
+        path: field.path,
+        unit: unit(field.path),
+        default: field.slot.to_toml(),
+        allowed: field.slot.allowed(),
+        doc: field.doc,
     }
 }
 
@@ -244,7 +256,7 @@ const UNITS: &[(&str, &str)] = &[
 
 /// The unit of the key `path` (or of its element `path[i]`) by the suffix of its name; empty: none.
 pub(super) fn unit(path: &str) -> &'static str {
-    let name = path.split('[').next().unwrap_or_default();
+    let name = split(path).1.split('[').next().unwrap_or_default();
     let fitting = UNITS.iter().filter(|(suffix, _)| name.ends_with(suffix));
     fitting
         .max_by_key(|(suffix, _)| suffix.len())
@@ -260,6 +272,7 @@ mod tests {
         assert_eq!(unit("robot.position_gain_per_s"), "1/s");
         assert_eq!(unit("task.approach_speed_m_per_s"), "m/s");
         assert_eq!(unit("tool.tcp_in_s_m[2]"), "m");
+        assert_eq!(unit("program.step[3].position_m[2]"), "m");
         assert_eq!(unit("sensor.stiffness_nm_per_rad"), "Nm/rad");
     }
 
@@ -281,6 +294,7 @@ mod tests {
                 "object.exponent",
                 "object.friction",
                 "object_sensor.enabled",
+                "task.starts_by_itself",
                 "task.force_controlled.x",
                 "task.force_controlled.y",
                 "task.force_controlled.z",
@@ -288,6 +302,7 @@ mod tests {
                 "task.force_controlled.about_y",
                 "task.force_controlled.about_z",
                 "controller.filter_damping",
+                "controller.plausible_mass_ratio",
                 "controller.proposed.object_filter_gain",
                 "controller.proposed.settled_filter_gain",
                 "controller.proposed.disturbance_feed_forward",

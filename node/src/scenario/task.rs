@@ -29,6 +29,8 @@ schema::section! {
         max_impact_force_n: f64 = 0.0, in 0.0..=1e6;
         /// Force along the normal that the contact may reach: no law presses harder, and what exceeds it stops the robot.
         max_contact_force_n: f64 = 300.0, in 0.1..=1e6;
+        /// Whether the task begins by itself after the standstill; otherwise it waits for `TASK`.
+        starts_by_itself: bool = true;
         /// How far a calibration tilts the tool about its tcp.
         calibration_tilt_rad: f64 = 0.3, in 0.1..=1.5;
         /// How long a calibration rests in each orientation; over the second half it measures.

@@ -29,6 +29,10 @@ wire_enum! {
         Fault = 7,
         /// Tilting the tool to learn what sensor and tool are.
         Calibrate = 8,
+        /// Moving freely, as a step of a program.
+        Move = 9,
+        /// Pressing and moving along a spiral.
+        Search = 10,
     }
 }
 
@@ -76,6 +80,12 @@ pub const LIMIT_SEEK: i32 = 256;
 /// Bit of the first axis whose force or moment caused a latched `Collision` or `ForceLimit`: force x; the next bits are
 /// those of force y, z, moment x, y, z. [`Detection`] then has its value and its limit, N or Nm.
 pub const LIMIT_COLLISION_FORCE_X: i32 = 512;
+/// The program's step before failed by its time-out.
+pub const LIMIT_STEP_TIME: i32 = 32768;
+/// The program's step before failed at the end of its search.
+pub const LIMIT_STEP_SEARCH: i32 = 65536;
+/// The program's step before failed by its tolerance, or by what it touched on a free move.
+pub const LIMIT_STEP_TOLERANCE: i32 = 131072;
 
 /// The statistic of contact detection and its threshold.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -148,8 +158,9 @@ pub struct ControllerStatus {
     /// Amplitude of an observed oscillation, N.
     pub oscillation_n: f64,
     /// Limits that bind, a bit each: 1 lead, 2 velocity (the approach is slowed for the allowed force of the impact),
-    /// 4 acceleration or jerk, 8 workspace, 16 axis, 32 deflection, 64 drift, 128 force, 256 seek, and 512 to 16384: the
-    /// axis that collided.
+    /// 4 acceleration or jerk, 8 workspace, 16 axis, 32 deflection, 64 drift, 128 force, 256 seek, 512 to 16384: the axis
+    /// that collided; 32768, 65536, 131072: the program's step before failed, by time, by the end of its search, by
+    /// tolerance or a touch on a free move.
     pub limits: i32,
     /// Index of the program step, -1: no program. While calibrating: of the rest that is measured, -1: none.
     pub program_step: i32,
@@ -157,9 +168,9 @@ pub struct ControllerStatus {
     pub task_step: i64,
     /// The answer.
     pub task_answer: ParameterAnswer,
-    /// Bit of the parameter refused, -1: none.
+    /// Bit of the parameter refused, or of the last one accepted, -1: none.
     pub task_parameter: i32,
-    /// The limit it left.
+    /// The limit it left, or the value that it will have.
     pub task_limit: f64,
 }
 

@@ -48,5 +48,7 @@ wire_enum! {
         RecordFailed = 19,
         /// The tool yields by more than the tolerance of its position.
         ToleranceExceeded = 20,
+        /// A step of a program has not come to its end in time.
+        StepTimeout = 21,
     }
 }

@@ -18,7 +18,7 @@ pub use command::{Command, HORIZON};
 pub use controller::{
     ControllerPhase, ControllerStatus, Detection, ImpactAssessment, LIMIT_ACCELERATION, LIMIT_AXIS,
     LIMIT_COLLISION_FORCE_X, LIMIT_DEFLECTION, LIMIT_DRIFT, LIMIT_FORCE, LIMIT_LEAD, LIMIT_SEEK,
-    LIMIT_VELOCITY, LIMIT_WORKSPACE, Law,
+    LIMIT_STEP_SEARCH, LIMIT_STEP_TIME, LIMIT_STEP_TOLERANCE, LIMIT_VELOCITY, LIMIT_WORKSPACE, Law,
 };
 pub use fault::Fault;
 pub use node::{Hello, Latencies, LinkQuality, NodeState, NodeStatus, PROTOCOL, Role};

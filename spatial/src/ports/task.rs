@@ -22,7 +22,7 @@ wire_enum! {
 }
 
 wire_enum! {
-    /// How the controller answered a parameter change.
+    /// How the controller answered a request, or why it does not begin its task by itself.
     ParameterAnswer {
         /// Nothing asked yet.
         #[default]
@@ -35,6 +35,24 @@ wire_enum! {
         WrongPhase = 3,
         /// Not known to this controller.
         Unknown = 4,
+        /// No start: the robot's state is older than its limit, s, which is published beside.
+        RobotStale = 5,
+        /// No start: the robot is in a fault, or farther from where it was sent than the limit, m.
+        RobotNotReady = 6,
+        /// No start: the sensor's newest valid sample is older than the limit, s.
+        SensorStale = 7,
+        /// No start: the sensor is, or was during the tare, at the end of its range.
+        SensorSaturated = 8,
+        /// No start: what the sensor bears at rest is turned from the tool's weight by more than the limit, rad.
+        SensorFrame = 9,
+        /// No start: the tool looks lighter or heavier than the limit, kg.
+        ToolMass = 10,
+        /// No start: the sensor's bias along x or y is beyond the limit, N.
+        SensorBias = 11,
+        /// No start: the object that is expected has not been seen.
+        ObjectUnknown = 12,
+        /// A fault is latched, or its cause is not gone.
+        FaultLatched = 13,
     }
 }
 

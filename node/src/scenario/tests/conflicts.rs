@@ -151,16 +151,16 @@ fn the_integration_step_resolves_the_gears() {
 fn the_load_is_within_the_sensors_range() {
     assert_eq!(
         refusal("tool.mass_kg = 100", &[]),
-        "a.toml:1:6: the tool, hanging freely or pressing with task.desired_force_n, 10 N, deflects the sensor by \
+        "a.toml:1:6: the tool, hanging freely or pressing with task.desired_force_n or a step's, 10 N, deflects the sensor by \
          0.00326888 m, not less than sensor.range_translation_m, 0.0015 m; stiffen the sensor, widen its range or \
          load it less\n\
-         a.toml:1:6: the tool, hanging freely or pressing with task.desired_force_n, 10 N, turns the sensor by \
+         a.toml:1:6: the tool, hanging freely or pressing with task.desired_force_n or a step's, 10 N, turns the sensor by \
          0.0733537 rad, not less than sensor.range_rotation_rad, 0.02618 rad; stiffen the sensor, widen its range \
          or load it less"
     );
     assert_eq!(
         refusal("", &["task.desired_force_n=150"]),
-        "--set task.desired_force_n=150: the tool, hanging freely or pressing with task.desired_force_n, 150 N, \
+        "--set task.desired_force_n=150: the tool, hanging freely or pressing with task.desired_force_n or a step's, 150 N, \
          turns the sensor by 0.0344658 rad, not less than sensor.range_rotation_rad, 0.02618 rad; stiffen the \
          sensor, widen its range or load it less"
     );
