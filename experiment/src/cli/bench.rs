@@ -220,7 +220,7 @@ fn median(sorted: &[f64]) -> f64 {
 }
 
 /// What this thread has had of a core until now, s.
-pub(super) fn core_time_s() -> f64 {
+fn core_time_s() -> f64 {
     let time = clock_gettime(ClockId::ThreadCPUTime);
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }
