@@ -22,10 +22,10 @@ schema::section! {
     ElasticLaw at "controller.elastic" {
         /// Deflection that costs as much as a change of the acceleration by 1 m/s^2 within a period: the smaller, the
         /// faster.
-        effort_s2: f64 = 17e-6, in 1e-7..=1e-1;
+        effort_s2: f64 = 18e-6, in 1e-7..=1e-1;
         /// How much a deviation of the contact force costs against one of the sensor's force, which lacks the tool's
         /// inertia: the more, the less the tool leaves the object.
-        contact_weight: f64 = 0.42, in 0.0..=1e3;
+        contact_weight: f64 = 1.0, in 0.0..=1e3;
         /// How far off its goal the regulator sees the deflection at most, as a multiple of the desired one: what is further off
         /// is led there by a goal that goes ahead, or the tool would be pulled off the object.
         linear_range: f64 = 0.9, in 0.0..=1e3;
@@ -37,9 +37,9 @@ schema::section! {
         /// Noise of the deflection at the tcp, rms.
         deflection_noise_m: f64 = 20e-6, in 1e-9..=1e-3;
         /// Acceleration of links and tool that the model does not explain, rms.
-        unknown_acceleration_m_per_s2: f64 = 0.04, in 1e-6..=1e3;
+        unknown_acceleration_m_per_s2: f64 = 0.12, in 1e-6..=1e3;
         /// How much of the likelihood of a hypothesis is left after a sample; 1: nothing is forgotten.
-        likelihood_memory: f64 = 0.99, in 0.0..=1.0;
+        likelihood_memory: f64 = 0.98, in 0.0..=1.0;
     }
 }
 
