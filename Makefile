@@ -49,7 +49,7 @@ maps: ## every law over contact, delay, robot, gears and period, thousands of ru
 	@$(touchdown) sweep shootout --out target/sweep/shootout
 	@for map in target/sweep/shootout/*.svg; do cp $$map docs/map-$${map##*/}; done
 
-elastic: ## the law elastic, a tuned pd and the lower bound under 23 conditions on elastic robots: docs/elastic.txt
+elastic: ## the law elastic, a tuned pd and the lower bound under 28 conditions on elastic robots: docs/elastic.txt
 	@$(build)
 	@{ $(touchdown) bound paper && $(touchdown) bound arm && $(touchdown) bound elastic && \
 	   $(touchdown) bound elastic_arm && $(touchdown) conditions elastic --set timing.seed=1001 && \

@@ -41,6 +41,9 @@ pub const MODES: usize = 3;
 /// Hypotheses of the gears' frequency.
 pub const HYPOTHESES: usize = 5;
 
+/// The longest sensor delay, and eleven of the longest periods until a command acts, ticks.
+const LONGEST_WAY: f64 = 100.0 + 11.0 * 12.0;
+
 /// What is computed before anything runs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Design {
@@ -174,7 +177,7 @@ impl Elastic {
         };
         let weights = weights(observers);
         let (acts_s, mut waypoint) = self.course.newest();
-        let ticks = libm::round((acts_s - time_s) / TICK_S).clamp(0.0, 200.0) as i64;
+        let ticks = libm::round((acts_s - time_s) / TICK_S).clamp(0.0, LONGEST_WAY) as i64;
         let mut states: [State; HYPOTHESES] = std::array::from_fn(|i| {
             let object = observers[i].object();
             let mut state = observers[i].state();
@@ -189,9 +192,10 @@ impl Elastic {
         let off: f64 = (0..HYPOTHESES)
             .map(|i| weights[i] * ((self.design.plants[i].seen * states[i])[0] - aim.displacement))
             .sum();
-        let range = self.design.parameters.linear_range * libm::fabs(aim.displacement);
-        let inside = self.touches && libm::fabs(off) <= range;
-        self.waits_s = match inside {
+        let parameters = &self.design.parameters;
+        let [linear, governed] = [parameters.linear_range, parameters.governed_range]
+            .map(|multiple| multiple * libm::fabs(aim.displacement));
+        self.waits_s = match self.touches && libm::fabs(off) <= governed {
             true => (self.waits_s - self.design.period_s).max(0.0),
             false => TAU / self.design.plants[0].frequencies[0],
         };
@@ -199,10 +203,12 @@ impl Elastic {
         if !self.regulated {
             return [self.resting_place(aim, &weights); PREVIEW];
         }
+        // What is further off than a linear regulator may see is approached by a goal that goes ahead of it.
+        let goal_m = aim.displacement + off - off.clamp(-linear, linear);
         for motion in &mut self.motion {
             let mut change = 0.0;
             for ((plant, state), weight) in self.design.plants.iter().zip(&states).zip(weights) {
-                let goal = plant.rest * (aim.displacement / plant.share());
+                let goal = plant.rest * (goal_m / plant.share());
                 change -= weight * (plant.gain * (state - goal))[0];
             }
             let before = waypoint;

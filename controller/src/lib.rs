@@ -10,6 +10,7 @@
 //! | free motion that leaves nothing swinging | [`shaping`], [`approach`] | VI |
 //! | contact or not; collision | [`detection`], [`collision`] | V |
 //! | limits of the command | [`limits`] | |
+//! | commands that are lost | [`delivery`] | |
 //! | between sensor and tcp | [`transform`] | (3)-(12) |
 //! | force controlled or not, per degree of freedom | [`dofs`] | III |
 //! | the laws behind one interface | [`law`] | |
@@ -38,6 +39,7 @@ pub mod calibration;
 pub mod collision;
 pub mod command_dynamics;
 pub mod contact;
+pub mod delivery;
 pub mod detection;
 pub mod disturbance;
 pub mod dofs;
@@ -75,6 +77,7 @@ mod status;
 mod steps;
 
 use collision::CollisionWatch;
+use delivery::Delivery;
 use expectation::Expectation;
 use limits::Limits;
 use motion::{Motion, Sample};
@@ -137,6 +140,7 @@ pub struct Controller {
     /// The way of a calibration, until it is done.
     tilting: Option<Tilting>,
     collision: CollisionWatch,
+    delivery: Delivery,
     /// The last stage before a command leaves.
     bounds: Limits,
     /// Bits of the limits that bind.
@@ -170,6 +174,7 @@ impl Controller {
             motion: None,
             tilting: None,
             collision: CollisionWatch::new(&scenario.controller),
+            delivery: Delivery::new(scenario.timing.command_period_ticks),
             bounds: Limits::new(scenario, &Axes::zeros()),
             limits: 0,
         }
@@ -210,7 +215,14 @@ impl Controller {
         }
         self.slew(tick);
         self.change_phase(tick, state);
+        if let Some(followed) = self.delivery.followed(tick, state.command_step) {
+            self.bounds.follow(followed.set_points());
+            if let Some(motion) = &mut self.motion {
+                motion.follow(&self.settings, tick, followed.set_points());
+            }
+        }
         let axis_position = self.set_points(tick, &state.axis_position[0]);
+        self.delivery.send(tick, &axis_position);
         Outputs {
             command: self.command(tick, axis_position),
             status: self.status(tick),

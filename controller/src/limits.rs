@@ -66,11 +66,9 @@ pub struct Limits {
     kinematics: Kinematics,
     /// The tcp that the workspace holds for, in s, m.
     tcp_in_s: Vector3<f64>,
-    period_ticks: i64,
     sent: [Sent; 6],
-    /// The horizon sent last, and when.
-    horizon: [Axes; HORIZON],
-    tick: i64,
+    /// Before the set-point sent last.
+    before: [Sent; 6],
 }
 
 impl Limits {
@@ -99,17 +97,23 @@ impl Limits {
             ),
             kinematics: scenario.robot.kinematics(),
             tcp_in_s: controller.tcp_in_s_m.into(),
-            period_ticks: scenario.timing.command_period_ticks,
             sent: std::array::from_fn(|i| Sent::at_rest(axes[i])),
-            horizon: [*axes; HORIZON],
-            tick: i64::MIN,
+            before: std::array::from_fn(|i| Sent::at_rest(axes[i])),
         }
     }
 
     /// The robot stands at `axes` (rad) as the first command is made.
     pub fn begin(&mut self, axes: &Axes) {
         self.sent = std::array::from_fn(|i| Sent::at_rest(axes[i]));
-        self.horizon = [*axes; HORIZON];
+        self.before = self.sent;
+    }
+
+    /// The robot has followed `set_points` (rad), T apart, instead of the one sent last.
+    pub fn follow(&mut self, set_points: &[Axes]) {
+        self.sent = self.before;
+        for axes in set_points {
+            self.sent = std::array::from_fn(|axis| self.sent[axis].then(axes[axis]));
+        }
     }
 
     /// The tcp hangs at `tcp_in_s` (m).
@@ -127,13 +131,11 @@ impl Limits {
         &self.workspace
     }
 
-    /// Bring the `set_points` of the cycle at `tick`, one period apart, within the limits; the bits of those that bind
-    /// at the first one.
+    /// Bring the next `set_points`, one period apart, within the limits; the bits of those that bind at the first one.
     ///
-    /// The limits hold from command to command, and within each one's horizon. Where cycles were missed, the robot has
-    /// gone on along the last horizon, and so does this.
-    pub fn apply(&mut self, tick: i64, set_points: &mut [Axes; HORIZON]) -> i32 {
-        self.follow_horizon(tick);
+    /// The limits hold from command to command, and within each one's horizon.
+    pub fn apply(&mut self, set_points: &mut [Axes; HORIZON]) -> i32 {
+        self.before = self.sent;
         let mut at = self.sent;
         let mut bits = 0;
         for (i, set_point) in set_points.iter_mut().enumerate() {
@@ -156,28 +158,7 @@ impl Limits {
                 (self.sent, bits) = (at, broken);
             }
         }
-        self.horizon = *set_points;
         bits
-    }
-
-    /// What the robot has done in the cycles that were missed before `tick`.
-    fn follow_horizon(&mut self, tick: i64) {
-        let missed = match self.tick {
-            i64::MIN => 0,
-            last => (tick.saturating_sub(last) / self.period_ticks - 1).max(0),
-        };
-        self.tick = tick;
-        for i in 1..=missed {
-            match self.horizon.get(i as usize) {
-                Some(axes) => self.sent = std::array::from_fn(|axis| self.sent[axis].then(axes[axis])),
-                // Beyond its end the robot stands.
-                None => {
-                    let end = self.horizon[HORIZON - 1];
-                    self.sent = std::array::from_fn(|axis| Sent::at_rest(end[axis]));
-                    break;
-                }
-            }
-        }
     }
 
     fn tcp(&self, sent: &[Sent; 6]) -> Vector3<f64> {

@@ -71,6 +71,8 @@ pub(crate) struct Motion {
     /// The way goes on in contact: towards a position, not until a force.
     inserts: bool,
     dynamics: CommandDynamics,
+    /// The same before the set-point sent last.
+    before: CommandDynamics,
     /// Where the servos have yielded to when the next set-point begins to act.
     disturbance: Disturbance,
     detector: Detector,
@@ -119,6 +121,13 @@ impl Motion {
         let compliance = tcp_compliance(&settings.compliance, &posture, &r_from_s, &selection);
         let noise_n = noise_m / compliance.along(NORMAL);
         let elastic = settings.elastic.clone().map(Elastic::new);
+        let dynamics = CommandDynamics::new(
+            controller.filter_frequency_hz,
+            controller.filter_damping,
+            controller.acceleration_limit_rad_per_s2.into(),
+            settings.period_ticks,
+            *start,
+        );
         Self {
             frame,
             selection,
@@ -136,13 +145,8 @@ impl Motion {
             fade: None,
             share: 0.0,
             inserts: false,
-            dynamics: CommandDynamics::new(
-                controller.filter_frequency_hz,
-                controller.filter_damping,
-                controller.acceleration_limit_rad_per_s2.into(),
-                settings.period_ticks,
-                *start,
-            ),
+            dynamics,
+            before: dynamics,
             disturbance: Disturbance::new(&controller.servo),
             detector: Detector::of(controller, noise_n),
             force_control: ForceControl::new(controller, selection, elastic),
@@ -154,6 +158,18 @@ impl Motion {
             plan: Plan::stay(coordinates, *start),
             lowest_m: f64::NEG_INFINITY,
             settled_cycles: 0,
+        }
+    }
+
+    /// At `tick` the robot has followed `set_points` (rad), T apart, instead of the one sent last.
+    pub(crate) fn follow(&mut self, settings: &Settings, tick: i64, set_points: &[Axes]) {
+        self.dynamics = self.before;
+        for (i, set_point) in set_points.iter().enumerate() {
+            if i > 0 {
+                let periods = settings.lead() - 1 - (set_points.len() - i) as i64;
+                self.track(settings, tick + periods * settings.period_ticks);
+            }
+            self.dynamics.advance(set_point);
         }
     }
 
@@ -324,8 +340,9 @@ impl Motion {
             // The way waits for a robot that does not follow.
             self.wait(settings.period_ticks);
         }
-        let limited = limits.apply(tick, &mut set_points);
+        let limited = limits.apply(&mut set_points);
         bits |= limited | if bound { LIMIT_LEAD } else { 0 };
+        self.before = self.dynamics;
         let acceleration = self.dynamics.advance(&set_points[0]);
         if !pressing {
             let acceleration = self.tcp_acceleration(settings, &set_points[0], &acceleration);

@@ -33,13 +33,16 @@ impl Default for EncoderHistory {
 }
 
 impl EncoderHistory {
-    /// Remember what `state` brings that is new. A gap (a lost state) is bridged linearly.
+    /// Remember what `state` brings that is new. A gap (a lost state, a period of more ticks than there are readings in a
+    /// message) is bridged by a cubic that goes on as the readings before and after it do.
     pub fn update(&mut self, state: &RobotState) {
         let samples = usize::try_from(state.sample_count)
             .unwrap_or(1)
             .clamp(1, state.axis_position.len());
         for age in (0..samples).rev() {
-            self.push(state.stamp.utime - age as i64 * TICK_US, state.axis_position[age]);
+            let axes = state.axis_position[age];
+            let onwards = age.checked_sub(1).map(|next| state.axis_position[next] - axes);
+            self.push(state.stamp.utime - age as i64 * TICK_US, axes, onwards);
         }
     }
 
@@ -62,7 +65,8 @@ impl EncoderHistory {
         self.aged(0)
     }
 
-    fn push(&mut self, utime: i64, axes: Axes) {
+    /// One reading, from which the axes go `onwards` in the next tick, if that is known.
+    fn push(&mut self, utime: i64, axes: Axes, onwards: Option<Axes>) {
         let missing = match self.newest_utime {
             None => 1,
             Some(newest) => (utime - newest) / TICK_US,
@@ -71,10 +75,21 @@ impl EncoderHistory {
             return;
         }
         let last = if self.count == 0 { axes } else { self.aged(0) };
+        // Hermite's cubic over the gap is the straight line, and what the ends' slopes differ from it.
+        let way = axes - last;
+        let differs = |per_tick: Axes| per_tick * missing as f64 - way;
+        let at_last = match self.count {
+            ..2 => Axes::zeros(),
+            _ => differs(last - self.aged(1)),
+        };
+        let at_axes = onwards.map_or(Axes::zeros(), differs);
         let shift = usize::try_from(missing).unwrap_or(LENGTH).min(LENGTH);
         for age in (0..shift).rev() {
+            let left = age as f64 / missing as f64;
+            let gone = 1.0 - left;
+            let bent = (at_last * left - at_axes * gone) * (left * gone);
             self.head = (self.head + 1) % LENGTH;
-            self.ring[self.head] = axes + (last - axes) * (age as f64 / missing as f64);
+            self.ring[self.head] = axes - way * left + bent;
         }
         self.count = (self.count + shift).min(LENGTH);
         self.newest_utime = Some(utime);
@@ -131,5 +146,24 @@ mod tests {
         history.update(&state(20));
         assert_eq!(history.at(6_000.0).x, 60.0);
         assert_eq!(history.at(15_500.0).x, 155.0);
+    }
+
+    /// With T = 12 ms every third reading is in no message. A vibration of 1 mm at 14 Hz, with accelerations of 8 m/s^2,
+    /// is known there within 5 um; a straight line would miss it by 25 um, which look like 0.9 N.
+    #[test]
+    fn a_vibration_is_known_between_the_messages() {
+        let way = |tick: i64| 1e-3 * libm::sin(std::f64::consts::TAU * 14e-3 * tick as f64);
+        let mut history = EncoderHistory::default();
+        for tick in (0..=120).step_by(12) {
+            let axis_position = std::array::from_fn(|age| Axes::repeat(way(tick - age as i64)));
+            history.update(&RobotState {
+                axis_position,
+                ..state(tick)
+            });
+        }
+        for tick in 13..=120 {
+            let error = history.at(1e3 * tick as f64).x - way(tick);
+            assert!(error.abs() < 5e-6, "{error} at {tick}");
+        }
     }
 }

@@ -52,7 +52,7 @@ impl Controller {
             }
             None => {
                 let mut held = [self.commanded; HORIZON];
-                self.limits = self.bounds.apply(tick, &mut held);
+                self.limits = self.bounds.apply(&mut held);
                 held
             }
         }
@@ -71,7 +71,7 @@ impl Controller {
             Some(tilting) if tilting.begun() => {
                 let asked = tilting.set_points(settings, actual, &self.commanded);
                 asked.map(|(mut set_points, waits)| {
-                    let bits = bounds.apply(tick, &mut set_points);
+                    let bits = bounds.apply(&mut set_points);
                     (set_points, bits | if waits { LIMIT_LEAD } else { 0 })
                 })
             }

@@ -1,5 +1,5 @@
-//! Laws beside the lower bound over conditions that their tuning never saw: gears that are not as assumed, speeds, levers
-//! and periods, one at a time.
+//! Laws beside the lower bound over conditions that their tuning never saw: gears that are not as assumed, speeds, levers,
+//! periods and lost messages, one at a time.
 
 mod report;
 
@@ -18,7 +18,9 @@ const SPEEDS: [f64; 5] = [0.005, 0.010, 0.020, 0.050, 0.100];
 /// Levers of the tcp along x of the sensor, real and assumed, m.
 const LEVERS: [f64; 4] = [0.0, 0.05, 0.1, 0.2];
 /// Periods, ticks of 1 ms.
-const PERIODS: [i64; 3] = [1, 4, 8];
+const PERIODS: [i64; 4] = [1, 4, 8, 12];
+/// Shares of the messages between the devices that are lost.
+const LOSSES: [f64; 4] = [0.0, 0.05, 0.1, 0.2];
 /// How long the tool moves at its speed before the contact, so that the ramp has faded, s.
 const CRUISE_S: f64 = 0.5;
 
@@ -105,6 +107,10 @@ pub fn conditions(scenario: &Scenario) -> Result<Vec<Condition>, ScenarioError> 
         );
         let period = [format!("timing.command_period_ticks={ticks}")];
         add("T ms", ticks.to_string(), &[&period[..], &gains].concat())?;
+    }
+    for ratio in LOSSES {
+        let overrides = [format!("network.loss_ratio={ratio:?}")];
+        add("lost messages %", (1e2 * ratio).to_string(), &overrides)?;
     }
     Ok(all)
 }
@@ -207,10 +213,10 @@ mod tests {
         for name in ["elastic", "elastic_arm"] {
             let scenario = Source::find(name).unwrap().scenario(&[]).unwrap();
             let all = conditions(&scenario).unwrap();
-            assert_eq!(all.len(), 23);
+            assert_eq!(all.len(), 28);
             let nominal = all.iter().filter(|condition| condition.scenario == scenario);
             // One of each kind changes nothing.
-            assert_eq!(nominal.count(), 5);
+            assert_eq!(nominal.count(), 6);
         }
     }
 }

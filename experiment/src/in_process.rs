@@ -1,13 +1,15 @@
 //! The whole of the paper's Fig. 2 as one readable loop, in one process and without a network.
 //!
-//! The three programs in lockstep reproduce it bit for bit.
+//! The three programs in lockstep reproduce it bit for bit. They repeat what is lost; here it is lost for good
+//! (`network.loss_ratio`).
 
+use crate::network::Network;
 use controller::Controller;
 use controller::agenda::Agenda;
 use node::scenario::Scenario;
 use robot_sim::RobotSim;
 use sensor_sim::SensorSim;
-use spatial::ports::{LinkMotion, RobotState, Task};
+use spatial::ports::{Deflections, LinkMotion, ObjectPose, RobotState, Task};
 use std::hint::black_box;
 
 /// All that is said within one tick.
@@ -37,15 +39,17 @@ pub fn run_with(scenario: &Scenario, tasks: &[Task], mut observe: impl FnMut(&Ti
     let mut robot = RobotSim::new(scenario);
     let mut sensor = SensorSim::new(scenario, &robot.link_motion().motion);
     let mut controller = Controller::new(scenario);
+    let mut network = Network::new(scenario);
     for _ in 0..scenario.timing.ticks() {
         let link_motion = robot.link_motion();
         let robot_state = robot.command_due().then(|| robot.state());
         let sensed = sensor.advance(&link_motion);
-        let answer = robot_state.map(|state| {
+        let heard = hear(&mut network, robot_state, &sensed);
+        let answer = heard.map(|(state, deflections, object)| {
             if let Some(task) = agenda.due(state.stamp.step) {
                 controller.request(&task);
             }
-            controller.cycle(&state, &sensed.deflections, sensed.object_pose.as_ref())
+            controller.cycle(&state, &deflections, object.as_ref())
         });
         observe(&Tick {
             link_motion,
@@ -53,8 +57,21 @@ pub fn run_with(scenario: &Scenario, tasks: &[Task], mut observe: impl FnMut(&Ti
             sensor: sensed,
             controller: answer,
         });
-        robot.advance(&sensed.tool_motion, answer.as_ref().map(|answer| &answer.command));
+        let command = network.passes(answer.map(|answer| answer.command));
+        robot.advance(&sensed.tool_motion, command.as_ref());
     }
+}
+
+/// What the controller has for a cycle after a tick's messages; `None`: no cycle, without a state.
+fn hear(
+    network: &mut Network,
+    state: Option<RobotState>,
+    sensed: &sensor_sim::Outputs,
+) -> Option<(RobotState, Deflections, Option<ObjectPose>)> {
+    network.take(sensed);
+    let state = network.passes(state)?;
+    let object = network.object_pose();
+    Some((state, *network.deflections()?, object))
 }
 
 /// One of the loop's parts.
@@ -73,11 +90,12 @@ pub fn replay(part: Part, scenario: &Scenario, ticks: &[Tick]) {
     match part {
         Part::Robot => {
             let mut robot = RobotSim::new(scenario);
+            let network = Network::new(scenario);
             for tick in ticks {
                 black_box(robot.link_motion());
                 black_box(robot.command_due().then(|| robot.state()));
-                let command = tick.controller.as_ref().map(|answer| &answer.command);
-                robot.advance(&tick.sensor.tool_motion, command);
+                let command = network.passes(tick.controller.map(|answer| answer.command));
+                robot.advance(&tick.sensor.tool_motion, command.as_ref());
             }
         }
         Part::Sensor => {
@@ -87,14 +105,19 @@ pub fn replay(part: Part, scenario: &Scenario, ticks: &[Tick]) {
                 black_box(sensor.advance(&tick.link_motion));
             }
         }
-        Part::Controller => {
-            let mut controller = Controller::new(scenario);
-            for tick in ticks {
-                if let Some(state) = &tick.robot_state {
-                    let sensed = &tick.sensor;
-                    black_box(controller.cycle(state, &sensed.deflections, sensed.object_pose.as_ref()));
-                }
-            }
+        Part::Controller => replay_cycles(scenario, ticks, |cycle| cycle()),
+    }
+}
+
+/// Run the controller of `scenario` alone, as [`replay`], and let `around` run each of its cycles.
+pub fn replay_cycles(scenario: &Scenario, ticks: &[Tick], mut around: impl FnMut(&mut dyn FnMut())) {
+    let mut controller = Controller::new(scenario);
+    let mut network = Network::new(scenario);
+    for tick in ticks {
+        if let Some((state, deflections, object)) = hear(&mut network, tick.robot_state, &tick.sensor) {
+            around(&mut || {
+                black_box(controller.cycle(&state, &deflections, object.as_ref()));
+            });
         }
     }
 }

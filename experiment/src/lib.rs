@@ -13,6 +13,7 @@ pub mod in_process;
 pub mod launch;
 pub mod linear;
 pub mod metrics;
+pub mod network;
 pub mod out;
 pub mod program;
 pub mod report;

@@ -65,6 +65,12 @@ impl Flags {
         }
         let stop = signals()?;
         let scenario = Scenario::load(&self.scenario, &self.set)?;
+        let loss = scenario.network.loss_ratio;
+        anyhow::ensure!(
+            loss == 0.0,
+            "network.loss_ratio is {loss}, but in lockstep the robot repeats what is lost; set it to 0, or stay in one \
+             process (`touchdown compare`)"
+        );
         let recorder = self.record.as_deref().map(Recorder::create).transpose()?;
         let health = Health::new(role, health::hello(&scenario, self.run_id));
         tracing::info!(url = %self.url, "{} starts", role_name(role));

@@ -1,6 +1,6 @@
 //! `touchdown bench`.
 
-use super::{Header, ScenarioArgs, detection, print, print_json};
+use super::{Header, ScenarioArgs, cycle, detection, print, print_json};
 use anyhow::Result;
 use crossbeam::channel::Receiver;
 use experiment::in_process::{self, Part};
@@ -19,6 +19,7 @@ use std::time::Duration;
 #[derive(clap::Subcommand)]
 pub(crate) enum Bench {
     Simulation(SimulationArgs),
+    Controller(cycle::Args),
     Network(NetworkArgs),
     Detection(detection::Args),
 }
@@ -54,6 +55,7 @@ struct Report<'a> {
 pub(crate) fn run(bench: &Bench) -> Result<ExitCode> {
     match bench {
         Bench::Simulation(args) => simulation(args),
+        Bench::Controller(args) => cycle::run(args),
         Bench::Network(args) => network(args),
         Bench::Detection(args) => detection::run(args),
     }

@@ -6,7 +6,7 @@ use experiment::conditions::{ConditionRow, Plan, Report as Table, conditions};
 use serde::Serialize;
 use std::process::ExitCode;
 
-/// Laws beside the lower bound, with gears that are not as assumed, other speeds, levers and periods
+/// Laws beside the lower bound, with gears that are not as assumed, other speeds, levers and periods, and lost messages
 #[derive(clap::Args)]
 pub(crate) struct Args {
     #[command(flatten)]

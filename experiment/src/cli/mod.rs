@@ -5,6 +5,7 @@ mod bound;
 mod calibrate;
 mod compare;
 mod conditions;
+mod cycle;
 mod detection;
 mod doctor;
 mod free_motion;

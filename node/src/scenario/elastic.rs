@@ -26,9 +26,12 @@ schema::section! {
         /// How much a deviation of the contact force costs against one of the sensor's force, which lacks the tool's
         /// inertia: the more, the less the tool leaves the object.
         contact_weight: f64 = 1.0, in 0.0..=1e3;
-        /// Up to which multiple of the desired deflection it may be off for the regulator to act; beyond, the tool would
-        /// leave the object, and the robot goes to where the force results as with the law `proposed`.
-        linear_range: f64 = 1.25, in 0.0..=1e3;
+        /// How far off its goal the regulator sees the deflection at most, as a multiple of the desired one: what is further off
+        /// is led there by a goal that goes ahead, or the tool would be pulled off the object.
+        linear_range: f64 = 0.9, in 0.0..=1e3;
+        /// Up to which multiple of the desired deflection it may be off for that; beyond, the robot goes to where the force
+        /// results as with the law `proposed`.
+        governed_range: f64 = 4.5, in 0.0..=1e3;
         /// How far the gears' frequency may be from what is assumed, as a share of it: the range of the hypotheses.
         mode_spread: f64 = 0.15, in 0.0..=0.5;
         /// Noise of the deflection at the tcp, rms.

@@ -18,6 +18,7 @@ mod error;
 mod estimate;
 mod hash;
 mod names;
+mod network;
 mod object_sensor;
 mod program;
 mod protection;
@@ -39,6 +40,7 @@ pub use choice::{
 pub use controller::{AssumedServo, Controller, Expected, Fzi, Impact, Impedance, Pd, Proposed, Ros2};
 pub use elastic::{AssumedGears, ElasticLaw};
 pub use error::ScenarioError;
+pub use network::Network;
 pub use object_sensor::ObjectSensor;
 pub use program::{Program, Step, Steps};
 pub use protection::{Collision, Cusum, Limits, Oscillation};
@@ -50,7 +52,7 @@ pub use task::{ForceControlled, Task};
 
 schema::section! {
     /// One experiment: what is, what is asked for, and what the controller assumes.
-    Scenario at "" with timing: Timing, robot: Robot, sensor: Sensor, tool: Tool, object: Object,
+    Scenario at "" with timing: Timing, network: Network, robot: Robot, sensor: Sensor, tool: Tool, object: Object,
         object_sensor: ObjectSensor, task: Task, program: Program, controller: Controller {}
 }
 
@@ -59,8 +61,8 @@ schema::section! {
     Timing at "timing" {
         /// What drives the nodes' time.
         mode: TimingMode = TimingMode::Lockstep;
-        /// Command period T.
-        command_period_ticks: i64 = 4, in 1..=8;
+        /// Command period T. Of more than eight ticks, messages carry the last eight readings alone.
+        command_period_ticks: i64 = 4, in 1..=12;
         /// Length of the experiment in simulated time.
         duration_s: f64 = 3.0, in 0.001..=86400.0;
         /// Seed of every random stream.
