@@ -262,16 +262,15 @@ impl Motion {
         self.contact.filter(|contact| !contact.released)
     }
 
-    /// Hold the set-point `commanded` in the cycle at `tick`, within `limits`: what is under way waits.
+    /// Hold the set-point `commanded`, within `limits`: what is under way waits.
     pub(crate) fn hold(
         &mut self,
         settings: &Settings,
         limits: &mut Limits,
-        tick: i64,
         commanded: &Axes,
     ) -> ([Axes; HORIZON], i32) {
         let mut held = [*commanded; HORIZON];
-        let bits = limits.apply(tick, &mut held) | LIMIT_HOLD;
+        let bits = limits.apply(&mut held) | LIMIT_HOLD;
         self.wait(settings.period_ticks);
         self.dynamics.advance(&held[0]);
         let r_from_s = settings.kinematics.forward(&held[0]);

@@ -65,7 +65,7 @@ impl Controller {
         let motion = self.motion.as_mut().filter(|_| self.fault == Fault::None)?;
         let (settings, bounds) = (&self.settings, &mut self.bounds);
         if silent_s > HOLD_PERIODS * settings.period_s() && !tilts {
-            return Some(motion.hold(settings, bounds, tick, &self.commanded));
+            return Some(motion.hold(settings, bounds, &self.commanded));
         }
         let answer = match &mut self.tilting {
             Some(tilting) if tilting.begun() => {
