@@ -39,12 +39,18 @@ pub struct Delivery {
 pub struct Followed {
     set_points: [Axes; FOLLOWED],
     count: usize,
+    stands: bool,
 }
 
 impl Followed {
     /// In their order, T apart.
     pub fn set_points(&self) -> &[Axes] {
         &self.set_points[..self.count]
+    }
+
+    /// Whether the last one lies beyond the end of the horizon: the robot stands there.
+    pub fn stands(&self) -> bool {
+        self.stands
     }
 }
 
@@ -82,6 +88,7 @@ impl Delivery {
         let followed = Followed {
             set_points: std::array::from_fn(|i| taken.at(first.saturating_add(i))),
             count: count.min(FOLLOWED),
+            stands: first.saturating_add(count) > HORIZON,
         };
         (first != 0 || count != 1).then_some(followed)
     }

@@ -216,7 +216,7 @@ impl Controller {
         self.slew(tick);
         self.change_phase(tick, state);
         if let Some(followed) = self.delivery.followed(tick, state.command_step) {
-            self.bounds.follow(followed.set_points());
+            self.bounds.follow(&followed);
             if let Some(motion) = &mut self.motion {
                 motion.follow(&self.settings, tick, followed.set_points());
             }

@@ -13,6 +13,7 @@ mod axis;
 
 pub use axis::{Bounds, Broken, Sent};
 
+use crate::delivery::Followed;
 use nalgebra::Vector3;
 use node::scenario::Scenario;
 use spatial::TICK_S;
@@ -108,11 +109,15 @@ impl Limits {
         self.before = self.sent;
     }
 
-    /// The robot has followed `set_points` (rad), T apart, instead of the one sent last.
-    pub fn follow(&mut self, set_points: &[Axes]) {
+    /// The robot has `followed` other set-points than the one sent last. Beyond the end of a horizon it stands: how it came
+    /// to rest is its own affair.
+    pub fn follow(&mut self, followed: &Followed) {
         self.sent = self.before;
-        for axes in set_points {
+        for axes in followed.set_points() {
             self.sent = std::array::from_fn(|axis| self.sent[axis].then(axes[axis]));
+        }
+        if let Some(end) = followed.set_points().last().filter(|_| followed.stands()) {
+            self.sent = std::array::from_fn(|axis| Sent::at_rest(end[axis]));
         }
     }
 

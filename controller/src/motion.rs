@@ -222,7 +222,9 @@ impl Motion {
         if let Some(contact) = self.contact.as_mut().filter(|contact| !contact.released) {
             let touch = contact.touch(settings, &self.selection, &sensed);
             contact.lost = touch == Touch::Lost;
-            if self.selection.contains(NORMAL) && !self.inserts {
+            if contact.lost {
+                self.oscillation.forget();
+            } else if self.selection.contains(NORMAL) && !self.inserts {
                 self.oscillation.take(
                     sensed.wrench[NORMAL] - settings.desired.force.z,
                     settings.desired.force.z,

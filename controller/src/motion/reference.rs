@@ -110,8 +110,9 @@ impl Motion {
                 period_s,
             },
         );
-        // A lowered gain: of what the law asks for beyond what was asked for before, a share in each period.
-        let gain = self.oscillation.gain();
+        // A lowered gain: of what the law asks for beyond what was asked for before, a share in each period. A lost object
+        // is sought as fast as ever.
+        let gain = if self.lost() { 1.0 } else { self.oscillation.gain() };
         if gain < 1.0 {
             let before = if feeds_forward(settings.controller.law) {
                 coordinates[0]

@@ -3,7 +3,7 @@
 use super::refusal;
 use crate::scenario::{Scenario, schema::Entry};
 
-const SECTIONS: &str = "[timing], [robot], [robot.gantry], [robot.arm], [sensor], [tool], [object], [object_sensor], \
+const SECTIONS: &str = "[timing], [network], [robot], [robot.gantry], [robot.arm], [sensor], [tool], [object], [object_sensor], \
                          [task], [task.force_controlled], [program], [controller], [controller.pd], [controller.proposed], \
                          [controller.impedance], [controller.ros2], [controller.fzi], [controller.expected], [controller.servo], \
                          [controller.gears], [controller.elastic], [controller.shaping], [controller.adaptation], \
