@@ -55,7 +55,8 @@ impl Detector {
         } else {
             1.0
         };
-        let sum = Cusum::new(cusum.allowance_n, noise_n, cusum.false_alarms_per_h);
+        let tared = controller.tare_s / TICK_S;
+        let sum = Cusum::new(cusum.allowance_n, noise_n, cusum.false_alarms_per_h, tared);
         let least_n = ABOVE_NOISE * noise_n;
         Self {
             least_n,
@@ -120,7 +121,7 @@ mod tests {
         assert!((detector.threshold_n() - 0.8).abs() < 1e-6);
     }
 
-    /// 0.45 N is never above the threshold of 0.82 N, and adds up to a contact after 4 samples: not while the robot
+    /// 0.45 N is never above the threshold of 0.82 N, and adds up to a contact after 5 samples: not while the robot
     /// accelerates, nor before it looks for one.
     #[test]
     fn what_stays_below_the_threshold_adds_up() {
@@ -129,7 +130,7 @@ mod tests {
         detector.follow(0.1, 4);
         assert!((0..100).all(|_| !detector.take(0.45, true)));
         detector.follow(0.0, 1_000_000);
-        assert_eq!((0..100).position(|_| detector.take(0.45, true)), Some(3));
+        assert_eq!((0..100).position(|_| detector.take(0.45, true)), Some(4));
         assert!(!detector.take(0.8, false) && detector.take(0.83, true));
     }
 

@@ -1,5 +1,6 @@
 //! The cumulative sum of what exceeds an allowance: it finds what a threshold finds late, a force that grows slowly.
 
+use nalgebra::{SMatrix, SVector};
 use spatial::TICK_S;
 
 /// `S(k) = max(0, S(k-1) + f(k) - a)`, an alarm above h (Page's test, one-sided).
@@ -20,26 +21,17 @@ pub struct Cusum {
 /// must not add up.
 const LEAST_ALLOWANCE: f64 = 1.5;
 
-/// What the discrete sum overshoots its limit by, in standard deviations of the noise (Siegmund, Sequential Analysis,
-/// 1985, section X.2).
-const OVERSHOOT: f64 = 1.166;
+/// Values of the sum that are told apart when its false alarms are counted.
+const CELLS: usize = 32;
 
 impl Cusum {
-    /// A sum that leaves out `allowance_n` (N) and, in white noise of `noise_n` (N rms), gives `false_alarms_per_h`.
-    ///
-    /// Siegmund's approximation of the mean number of samples between false alarms, with everything in standard deviations
-    /// and `b = h + 1.166`: `(e^(2 a b) - 2 a b - 1) / (2 a^2)`. Made for small allowances: at 1.5 sigma, and with a zero
-    /// that rests on 0.2 s of the same noise, there are 4.5 times as many (0.9 instead of 0.2 an hour, by
-    /// `touchdown bench detection`).
-    pub fn new(allowance_n: f64, noise_n: f64, false_alarms_per_h: f64) -> Self {
+    /// A sum that leaves out `allowance_n` (N) and, in white noise of `noise_n` (N rms), gives `false_alarms_per_h` with a
+    /// zero that is the mean of `tared` samples of the same noise.
+    pub fn new(allowance_n: f64, noise_n: f64, false_alarms_per_h: f64, tared: f64) -> Self {
         let allowance_n = allowance_n.max(LEAST_ALLOWANCE * noise_n);
-        let samples = 3600.0 / TICK_S / false_alarms_per_h;
         let limit_n = if noise_n > 0.0 {
-            let a = allowance_n / noise_n;
-            let wanted = 2.0 * a * a * samples;
-            // x = ln(wanted + x + 1), which a few steps solve.
-            let x = (0..20).fold(1.0, |x, _| libm::log(wanted + x + 1.0));
-            (0.5 * x / a - OVERSHOOT) * noise_n
+            let wanted = false_alarms_per_h * TICK_S / 3600.0;
+            noise_n * limit(allowance_n / noise_n, tared.max(10.0), wanted)
         } else {
             0.0
         };
@@ -63,25 +55,87 @@ impl Cusum {
     }
 }
 
+/// The limit h, in standard deviations of the noise, that is passed in a share `wanted` of the samples, with an allowance
+/// `a` (likewise), where zero and that deviation rest on `tared` samples. The logarithm of that share is nearly linear in h.
+fn limit(a: f64, tared: f64, wanted: f64) -> f64 {
+    // Means over normal distributions by three points each (Gauss and Hermite): of the zero, and of the deviation.
+    let off = libm::sqrt(3.0 / tared);
+    let wider = 1.0 + libm::sqrt(1.5 / tared);
+    let narrower = 2.0 - wider;
+    let excess = |h: f64| {
+        let by_zero = alarms(a - off, h) + alarms(a + off, h);
+        let by_deviation = alarms(a / wider, h / wider) + alarms(a / narrower, h / narrower);
+        libm::log((2.0 * alarms(a, h) + by_zero + by_deviation) / (6.0 * wanted))
+    };
+    let (mut h, mut slope) = (3.0, -2.0 * a);
+    let mut before = excess(h);
+    for _ in 0..8 {
+        let next = (h - before / slope).clamp(0.1, 50.0);
+        if libm::fabs(next - h) < 1e-6 {
+            break;
+        }
+        let now = excess(next);
+        slope = (now - before) / (next - h);
+        (h, before) = (next, now);
+    }
+    h
+}
+
+/// Share of the samples of white noise with standard deviation 1 at which a sum with the allowance `a` passes `h`.
+///
+/// The sum as a Markov chain over cells of width `w = 2 h / (2 m - 1)`, from whose lowest the mean number of steps to an
+/// alarm follows by one linear system (Brook and Evans, Biometrika 59, 1972).
+fn alarms(a: f64, h: f64) -> f64 {
+    let w = 2.0 * h / (2 * CELLS - 1) as f64;
+    let below = |x: f64| 0.5 * libm::erfc(-x / std::f64::consts::SQRT_2);
+    let chain = SMatrix::<f64, CELLS, CELLS>::from_fn(|i, j| {
+        let ahead = (j as f64 - i as f64) * w + a;
+        let share = match j {
+            0 => below(ahead + 0.5 * w),
+            _ => below(ahead + 0.5 * w) - below(ahead - 0.5 * w),
+        };
+        f64::from(i == j) - share
+    });
+    let steps = chain.lu().solve(&SVector::<f64, CELLS>::repeat(1.0));
+    // A sum that never passes.
+    steps.map_or(f64::MIN_POSITIVE, |steps| 1.0 / steps[0].max(1.0))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// a = 0.25 N = 1.56 sigma, one false alarm in 5 h: `e^(2 a b) = 2 a^2 1.8e7`, b = 5.85 sigma, h = 0.75 N.
+    /// Two-sided sums with a = 0.5 run for 465 samples on average with h = 5, and for 168 with h = 4 (Montgomery, Introduction
+    /// to Statistical Quality Control, table of average run lengths); one side alone twice as long.
+    #[test]
+    fn the_chain_counts_as_the_tables_do() {
+        for (h, samples) in [(5.0, 930.0), (4.0, 336.0)] {
+            let found = 1.0 / alarms(0.5, h);
+            assert!((found / samples - 1.0).abs() < 0.01, "{h}: {found}");
+        }
+    }
+
+    /// Beyond the noise the larger, the fewer false alarms are wanted and the fewer samples zero rests on.
     #[test]
     fn the_limit_follows_from_the_false_alarms() {
-        let cusum = Cusum::new(0.25, 0.16, 0.2);
-        assert!((cusum.limit_n - 0.75).abs() < 0.01, "{cusum:?}");
-        let noisy = Cusum::new(0.25, 1.6, 0.2);
+        let [rarely, often, zeroed] = [(0.2, 200.0), (2.0, 200.0), (0.2, 1e9)]
+            .map(|(per_h, tared)| Cusum::new(0.25, 0.16, per_h, tared).limit_n);
+        assert!(
+            often < rarely && zeroed < rarely,
+            "{rarely} N, {often} N, {zeroed} N"
+        );
+        let share = alarms(0.25 / 0.16, zeroed / 0.16);
+        assert!((share * 3.6e6 / 0.2 - 1.0).abs() < 0.01, "{share}");
+        let noisy = Cusum::new(0.25, 1.6, 0.2, 200.0);
         assert!((noisy.allowance_n - 2.4).abs() < 1e-12, "{noisy:?}");
-        let silent = Cusum::new(0.25, 0.0, 0.2);
+        let silent = Cusum::new(0.25, 0.0, 0.2, 200.0);
         assert_eq!((silent.allowance_n, silent.limit_n), (0.25, 0.25));
     }
 
     /// A ramp of 35 N/s (1 mm/s on 28 um/N): 0.25 / 0.035 and sqrt(2 0.75 / 0.035) samples, 14 instead of 24.
     #[test]
     fn a_slow_ramp_is_found_early() {
-        let mut cusum = Cusum::new(0.25, 0.16, 0.2);
+        let mut cusum = Cusum::new(0.25, 0.16, 0.2, 200.0);
         let found = (0..).find(|&i| cusum.take(0.035 * f64::from(i), 0.0));
         assert!((13..16).contains(&found.unwrap()), "{found:?}");
         cusum.reset();
