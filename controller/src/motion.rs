@@ -150,7 +150,7 @@ impl Motion {
             detector: Detector::of(controller, noise_n),
             force_control: ForceControl::new(controller, selection, elastic),
             impact,
-            oscillation: OscillationObserver::new(&controller.oscillation),
+            oscillation: OscillationObserver::new(controller),
             contact: None,
             leaving: None,
             newest: Sensed::new(&sample, &r_from_s, &posture, &compliance),

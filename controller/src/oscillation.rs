@@ -6,6 +6,7 @@
 
 use node::scenario;
 use spatial::TICK_S;
+use spatial::ports::Law;
 
 /// Time constant of the mean about which the force oscillates, s: several periods of what swings up here.
 const MEAN_S: f64 = 0.1;
@@ -38,10 +39,11 @@ pub struct OscillationObserver {
 }
 
 impl OscillationObserver {
-    /// With what `parameters` say; the gain is whole.
-    pub fn new(parameters: &scenario::Oscillation) -> Self {
+    /// With what `controller` says; the gain is whole. That of a peer's law stays so: it is shown as it is published.
+    pub fn new(controller: &scenario::Controller) -> Self {
+        let parameters = &controller.oscillation;
         Self {
-            enabled: parameters.enabled,
+            enabled: parameters.enabled && !matches!(controller.law, Law::Ros2 | Law::Fzi),
             least_n: parameters.least_n,
             least_gain: parameters.least_gain,
             mean_n: None,
@@ -120,7 +122,7 @@ mod tests {
 
     /// The gain after 1 s of an oscillation of 15 Hz whose amplitude `amplitude` tells at each time.
     fn gain(offset_n: f64, amplitude: impl Fn(f64) -> f64) -> f64 {
-        let mut observer = OscillationObserver::new(&scenario::Oscillation::default());
+        let mut observer = OscillationObserver::new(&scenario::Controller::default());
         for i in 0..1000 {
             let time = f64::from(i) * TICK_S;
             observer.take(offset_n + amplitude(time) * libm::sin(TAU * 15.0 * time), 20.0);
@@ -144,7 +146,7 @@ mod tests {
 
     #[test]
     fn the_gain_is_halved_as_often_as_it_must_be_and_restored() {
-        let mut observer = OscillationObserver::new(&scenario::Oscillation::default());
+        let mut observer = OscillationObserver::new(&scenario::Controller::default());
         let mut seen = Vec::new();
         for i in 0..2000 {
             let time = f64::from(i) * TICK_S;
