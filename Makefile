@@ -79,6 +79,7 @@ bits: ## the same bits in release and, emulated, on other CPUs
 bench: ## how fast simulation, sweeps and network are on this machine
 	@$(build)
 	@$(touchdown) bench simulation
+	@$(touchdown) bench controller elastic_arm
 	@$(touchdown) sweep smoke --fresh --out target/sweep/bench
 	@$(touchdown) bench network
 

@@ -71,7 +71,7 @@ fn limit(a: f64, tared: f64, wanted: f64) -> f64 {
     let mut before = excess(h);
     for _ in 0..8 {
         let next = (h - before / slope).clamp(0.1, 50.0);
-        if libm::fabs(next - h) < 1e-6 {
+        if libm::fabs(next - h) < 1e-4 {
             break;
         }
         let now = excess(next);
@@ -88,11 +88,14 @@ fn limit(a: f64, tared: f64, wanted: f64) -> f64 {
 fn alarms(a: f64, h: f64) -> f64 {
     let w = 2.0 * h / (2 * CELLS - 1) as f64;
     let below = |x: f64| 0.5 * libm::erfc(-x / std::f64::consts::SQRT_2);
+    // Up to the upper end of a cell `ahead` cells higher, from CELLS lower on: what is asked for often, once.
+    let up_to: [f64; 2 * CELLS] =
+        std::array::from_fn(|ahead| below((ahead as f64 - CELLS as f64 + 0.5) * w + a));
     let chain = SMatrix::<f64, CELLS, CELLS>::from_fn(|i, j| {
-        let ahead = (j as f64 - i as f64) * w + a;
+        let ahead = CELLS + j - i;
         let share = match j {
-            0 => below(ahead + 0.5 * w),
-            _ => below(ahead + 0.5 * w) - below(ahead - 0.5 * w),
+            0 => up_to[ahead],
+            _ => up_to[ahead] - up_to[ahead - 1],
         };
         f64::from(i == j) - share
     });
