@@ -5,7 +5,7 @@ use std::io;
 use std::path::PathBuf;
 
 /// Name and text of every built-in scenario.
-const BUILT_IN: [(&str, &str); 19] = [
+const BUILT_IN: [(&str, &str); 20] = [
     ("paper", include_str!("../scenarios/paper.toml")),
     ("arm", include_str!("../scenarios/arm.toml")),
     ("elastic", include_str!("../scenarios/elastic.toml")),
@@ -23,6 +23,7 @@ const BUILT_IN: [(&str, &str); 19] = [
     ("soft", include_str!("../scenarios/soft.toml")),
     ("slow_sensor", include_str!("../scenarios/slow_sensor.toml")),
     ("delayed_sensor", include_str!("../scenarios/delayed_sensor.toml")),
+    ("lossy", include_str!("../scenarios/lossy.toml")),
     ("wrong_c", include_str!("../scenarios/wrong_c.toml")),
     ("fast", include_str!("../scenarios/fast.toml")),
 ];
@@ -126,7 +127,7 @@ mod tests {
         assert_eq!(
             Source::find("papre").unwrap_err().to_string(),
             "unknown scenario \"papre\"; the built-in ones are: paper, arm, elastic, elastic_arm, expected, face, conveyor, \
-             insert, screws, peg, car_body, lever_0, lever_200, stiff, soft, slow_sensor, delayed_sensor, wrong_c, fast; a path \
+             insert, screws, peg, car_body, lever_0, lever_200, stiff, soft, slow_sensor, delayed_sensor, lossy, wrong_c, fast; a path \
              works too: it contains a / or ends with .toml"
         );
         let missing = Source::find("missing.toml").unwrap_err().to_string();

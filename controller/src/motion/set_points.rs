@@ -22,6 +22,7 @@ impl Motion {
         let mut held = [*commanded; HORIZON];
         let bits = limits.apply(&mut held) | LIMIT_HOLD;
         self.wait(settings.period_ticks);
+        self.before = self.dynamics;
         self.dynamics.advance(&held[0]);
         let r_from_s = settings.kinematics.forward(&held[0]);
         let coordinates = self.frame.coordinates(&self.posture.hanging_tcp(&r_from_s));

@@ -105,7 +105,15 @@ impl Planned {
 
     /// Runs in all.
     pub(super) fn runs(&self) -> usize {
-        self.matrix.runs() + self.matrix.laws.len()
+        self.matrix.runs() + self.drawn().len()
+    }
+
+    /// The laws whose curves are drawn: none of what is lost in process only, where `touchdown run` would draw others.
+    fn drawn(&self) -> &[String] {
+        match self.scenario.network.loss_ratio > 0.0 {
+            true => &[],
+            false => &self.matrix.laws,
+        }
     }
 
     fn shoot_out(&self) -> bool {
@@ -115,7 +123,7 @@ impl Planned {
     /// Run it; `done` is told of runs.
     pub(super) fn run(&self, tuned: &Tuned, done: impl Fn(usize) + Sync) -> Result<Section, ReportError> {
         let comparison = self.matrix.run(&self.scenario, tuned, || done(1))?;
-        let planned = self.matrix.laws.iter().map(|law| self.curve(law, tuned));
+        let planned = self.drawn().iter().map(|law| self.curve(law, tuned));
         let planned: Vec<_> = planned.collect::<Result<_, _>>()?;
         let curves: Vec<Result<LabelledCurve, String>> = planned
             .par_iter()
@@ -131,7 +139,7 @@ impl Planned {
             false => force_panels(&shown, PANEL_WIDTH)?,
         }
         .into_iter();
-        let panels = planned.into_iter().zip(curves).zip(&self.matrix.laws);
+        let panels = planned.into_iter().zip(curves).zip(self.drawn());
         let panels = panels.map(|(((_, gains, origin), curve), law)| Panel {
             law: law.clone(),
             gains,
