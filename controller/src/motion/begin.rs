@@ -44,14 +44,7 @@ impl Motion {
         self.inserts = false;
         self.settled_cycles = 0;
         self.select(settings, selection);
-        self.path = Some(Path::new(
-            settings,
-            expectation,
-            self.shape,
-            self.impact.as_ref(),
-            start_m,
-            tick,
-        ));
+        self.go_down(settings, expectation, start_m, tick);
     }
 
     /// Go on down to a position, acting along `selection` in contact.
@@ -73,18 +66,17 @@ impl Motion {
                 );
                 self.select(settings, selection);
                 let start_m = self.base(taken.value)[NORMAL];
-                self.path = Some(Path::new(
-                    settings,
-                    expectation,
-                    self.shape,
-                    self.impact.as_ref(),
-                    start_m,
-                    tick,
-                ));
+                self.go_down(settings, expectation, start_m, tick);
             }
             None => self.begin_approach(settings, expectation, selection, tick),
         }
         self.inserts = true;
+    }
+
+    /// The way down along the normal, from the coordinate `start_m` (m) on.
+    fn go_down(&mut self, settings: &Settings, expectation: &Expectation, start_m: f64, tick: i64) {
+        let (shape, impact) = (self.shape, self.impact.as_ref());
+        self.path = Some(Path::new(settings, expectation, shape, impact, start_m, tick));
     }
 
     /// Begin to press with another force: what was settled is so no more.

@@ -2,6 +2,7 @@
 
 use super::*;
 use ControllerPhase::{Approach, Contact, Init, Ready, Settled, Sync};
+use spatial::ports::LIMIT_HOLD;
 
 /// C of the tcp along z (PLANT.md section 5), m/N.
 const COMPLIANCE: f64 = 28.267e-6;
@@ -162,6 +163,48 @@ fn a_saturated_deflection_is_said() {
         deflections.samples[0].flags.saturated = saturated;
         let status = controller.cycle(&state(tick, axes), &deflections, None).status;
         assert_eq!(status.limits, 32 * i32::from(saturated), "tick {tick}");
+    }
+}
+
+/// A sensor that brings nothing new for more than 3 T, 12 ms, but speaks again before that is a fault: on its way down the
+/// robot is held so long, says so, and goes on.
+#[test]
+fn a_sensor_that_is_silent_for_a_moment_holds_the_robot() {
+    let scenario = weightless();
+    let mut controller = Controller::new(&scenario);
+    let mut axes = scenario.start_axes().unwrap();
+    let (mut held, mut at) = (Vec::new(), Vec::new());
+    for tick in (0..=800).step_by(4) {
+        let mut deflections = undeflected(tick);
+        for sample in &mut deflections.samples {
+            sample.flags.valid &= !(501..517).contains(&(sample.utime / spatial::TICK_US));
+        }
+        let Outputs { command, status } = controller.cycle(&state(tick, axes), &deflections, None);
+        axes = command.axis_position[0];
+        at.push((tick, axes.z));
+        assert_eq!(status.fault, Fault::None, "tick {tick}");
+        if status.limits & LIMIT_HOLD != 0 {
+            held.push(tick);
+        }
+    }
+    assert_eq!(held, [516]);
+    let moved = |from: usize, to: usize| (at[to / 4].1 - at[from / 4].1).abs();
+    assert!(moved(512, 516) < 0.5 * moved(508, 512), "{at:?}");
+    assert!(moved(600, 700) > 1e-3, "it goes on");
+}
+
+/// A sensor whose newest sample is 48 ms old is late, one of 52 ms too late.
+#[test]
+fn a_sensor_that_is_too_late_is_a_fault() {
+    for (delay, fault) in [(48, Fault::None), (52, Fault::SensorStale)] {
+        let scenario = weightless();
+        let mut controller = Controller::new(&scenario);
+        let axes = scenario.start_axes().unwrap();
+        let last = (0..=400).step_by(4).map(|tick| {
+            let deflections = sensed(tick, delay, |_| Deflection::default());
+            controller.cycle(&state(tick, axes), &deflections, None).status
+        });
+        assert_eq!(last.last().unwrap().fault, fault, "{delay} ms");
     }
 }
 

@@ -99,7 +99,7 @@ fn each_law_stops_smoothly_in_every_phase_of_a_task() {
         // What moves up at that instant by the law itself comes to rest, too: pd-reset does so at 60 mm/s, and what is
         // told to the motors of elastic gears runs ahead of the tcp.
         let back_m = match law {
-            "proposed" | "impedance" => 0.5e-3,
+            "proposed" | "impedance" => 0.4e-3,
             "elastic" => 1.6e-3,
             _ => 0.8e-3,
         };
