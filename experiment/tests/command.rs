@@ -1,24 +1,11 @@
 //! The command `touchdown` as its users see it: exit codes, refusals, and nothing but data on stdout.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
+mod common;
+
+use common::touchdown;
 use serde_json::Value;
 use std::collections::BTreeSet;
-use std::process::Command;
-
-/// Exit code, stdout and stderr of `touchdown` with `arguments`, separated by spaces.
-fn touchdown(arguments: &str) -> (i32, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_touchdown"))
-        .args(arguments.split_ascii_whitespace())
-        .env_remove("RUST_LOG")
-        .output()
-        .unwrap();
-    let text = |bytes| String::from_utf8(bytes).unwrap();
-    (
-        output.status.code().unwrap(),
-        text(output.stdout),
-        text(output.stderr),
-    )
-}
 
 #[test]
 fn what_does_not_exist_is_refused_by_name() {

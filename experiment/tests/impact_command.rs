@@ -2,25 +2,16 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod common;
+
+use common::touchdown;
 use serde_json::Value;
-use std::process::Command;
 
 const FLAT_PUNCH: &str = "--shape flat-punch --radius-m 0.008 --mass-kg 4 --speed-m-per-s 0.02";
 
-/// Exit code, stdout and stderr of `touchdown impact` with `arguments`, separated by spaces.
+/// The same of `touchdown impact`.
 fn impact(arguments: &str) -> (i32, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_touchdown"))
-        .arg("impact")
-        .args(arguments.split_ascii_whitespace())
-        .env_remove("RUST_LOG")
-        .output()
-        .unwrap();
-    let text = |bytes| String::from_utf8(bytes).unwrap();
-    (
-        output.status.code().unwrap(),
-        text(output.stdout),
-        text(output.stderr),
-    )
+    touchdown(&format!("impact {arguments}"))
 }
 
 fn json(arguments: &str) -> Value {

@@ -1,25 +1,13 @@
 //! The report: whole, self-contained, the same on any number of threads, and nothing in it that a command does not compute.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
+mod common;
+
+use common::touchdown;
 use serde_json::Value;
 use std::path::Path;
-use std::process::Command;
 
 const SMALL: &str = "report --scenarios paper,soft --phases 2 --seeds 1 --sweep smoke --sweep-phases 1";
-
-fn touchdown(arguments: &str) -> (i32, String, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_touchdown"))
-        .args(arguments.split_ascii_whitespace())
-        .env_remove("RUST_LOG")
-        .output()
-        .unwrap();
-    let text = |bytes| String::from_utf8(bytes).unwrap();
-    (
-        output.status.code().unwrap(),
-        text(output.stdout),
-        text(output.stderr),
-    )
-}
 
 fn written(out: &Path, more: &str) -> String {
     let (code, stdout, stderr) = touchdown(&format!("{SMALL} --out {} {more}", out.display()));
