@@ -1,16 +1,16 @@
 //! The outer loop of the paper's Fig. 2: from encoder and sensor values to the commanded pose.
 //!
-//! Pure: a [`Controller`] takes the robot's state and the sensors' samples of a cycle and answers with a command
-//! and its status. It sees only what a real one would. The only home of eqs. (1)-(18); each file is one idea:
+//! Pure: a [`Controller`] takes what has come of the robot's states and the sensors' samples until a cycle and answers
+//! with a command and its status. It sees only what a real one would. The only home of eqs. (1)-(18); each file is one idea:
 //!
 //! | Idea | File | Paper |
 //! |---|---|---|
+//! | messages that come late or not at all | `heard.rs`, [`pairing`], [`delivery`] | |
 //! | actual pose and deflection at the same instant | [`pairing`] | below (2) |
 //! | object expected before the contact | [`expectation`], [`approach`] | II-B, IV-C, footnote 3 |
 //! | free motion that leaves nothing swinging | [`shaping`], [`approach`] | VI |
 //! | contact or not; collision | [`detection`], [`collision`] | V |
 //! | limits of the command | [`limits`] | |
-//! | commands that are lost | [`delivery`] | |
 //! | between sensor and tcp | [`transform`] | (3)-(12) |
 //! | force controlled or not, per degree of freedom | [`dofs`] | III |
 //! | the laws behind one interface | [`law`] | |
@@ -65,6 +65,7 @@ pub mod tare;
 pub mod tilting;
 pub mod transform;
 
+mod heard;
 mod motion;
 mod parameters;
 mod program;
@@ -76,27 +77,24 @@ mod settings;
 mod status;
 mod steps;
 
+pub use heard::Heard;
+
 use collision::CollisionWatch;
 use delivery::Delivery;
 use expectation::Expectation;
 use limits::Limits;
-use motion::{Motion, Sample};
-use nalgebra::Vector3;
-use node::scenario::{self, Pairing, Scenario};
-use pairing::EncoderHistory;
+use motion::Motion;
+use node::scenario::{self, Scenario};
+use pairing::{EncoderHistory, Waiting};
 use parameters::Parameters;
 use program::Program;
 use requests::Requests;
 use sensing::Sensing;
 use settings::Settings;
+use spatial::TICK_S;
 use spatial::kinematics::Axes;
-use spatial::ports::{
-    Command, ControllerPhase, ControllerStatus, DeflectionSample, Deflections, Fault, ObjectPose, RobotState,
-};
-use spatial::{TICK_S, TICK_US};
-use std::f64::consts::TAU;
+use spatial::ports::{Command, ControllerPhase, ControllerStatus, Fault, HORIZON, RobotState};
 use tilting::Tilting;
-use transform::deflection_at_tcp;
 
 /// What one cycle brings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,10 +116,14 @@ pub struct Controller {
     requests: Requests,
     phase: ControllerPhase,
     fault: Fault,
+    /// The robot's newest state; `None`: none has come yet.
+    robot: Option<RobotState>,
     encoders: EncoderHistory,
     newest_state_utime: i64,
     /// Tick at which that state came.
     state_tick: i64,
+    /// Samples without encoder readings.
+    waiting: Waiting,
     newest_sample_utime: i64,
     /// Tick at which that sample came.
     heard_tick: i64,
@@ -160,7 +162,9 @@ impl Controller {
             settings,
             phase: ControllerPhase::Init,
             fault: Fault::None,
+            robot: None,
             encoders: EncoderHistory::default(),
+            waiting: Waiting::default(),
             newest_state_utime: i64::MIN,
             state_tick: 0,
             newest_sample_utime: i64::MIN,
@@ -180,97 +184,35 @@ impl Controller {
         }
     }
 
-    /// One cycle at the tick of `state`: the command that answers it, and the status. `object` is the non-contact
-    /// sensor's pose of the object, where one is published at that tick.
+    /// One cycle, due every T whatever has come: the command and the status of its tick. Before the first state of the robot
+    /// the command enables nothing.
     ///
     /// All messages have been checked by whoever received them.
-    pub fn cycle(
-        &mut self,
-        state: &RobotState,
-        deflections: &Deflections,
-        object: Option<&ObjectPose>,
-    ) -> Outputs {
-        let tick = state.stamp.step;
-        self.encoders.update(state);
-        if state.stamp.utime > self.newest_state_utime {
-            self.newest_state_utime = state.stamp.utime;
-            self.state_tick = tick;
+    pub fn cycle(&mut self, heard: &Heard<'_>) -> Outputs {
+        let tick = heard.tick;
+        if let Some(state) = heard.state {
+            self.hear_robot(state, tick);
         }
-        if let Some(pose) = object {
+        if let Some(pose) = heard.object {
             self.expectation.take(pose);
         }
-        if self.phase == ControllerPhase::Init {
-            self.start = state.axis_position[0];
-            self.commanded = self.start;
-            self.bounds.begin(&self.start);
-            self.phase = ControllerPhase::Sync;
-        }
-        for sample in deflections.samples.iter().rev() {
-            if self.sensing.usable(sample) && sample.utime > self.newest_sample_utime {
-                self.newest_sample_utime = sample.utime;
-                self.heard_tick = tick;
-                self.delay_ticks = tick - sample.utime / TICK_US;
-                self.take(sample, tick);
-            }
-        }
+        let Some(state) = self.robot else {
+            return self.outputs(tick, false, [Axes::zeros(); HORIZON]);
+        };
+        self.follow_robot(tick, heard.state.map(|state| state.command_step));
+        self.hear_sensor(heard.deflections, tick);
         self.slew(tick);
-        self.change_phase(tick, state);
-        if let Some(followed) = self.delivery.followed(tick, state.command_step) {
-            self.bounds.follow(&followed);
-            if let Some(motion) = &mut self.motion {
-                motion.follow(&self.settings, tick, followed.set_points());
-            }
-        }
-        let axis_position = self.set_points(tick, &state.axis_position[0]);
-        self.delivery.send(tick, &axis_position);
+        self.change_phase(tick, &state);
+        let before = self.modelled();
+        let axis_position = self.set_points(tick, &self.actual(&state, tick));
+        self.delivery.send(tick, &axis_position, before);
+        self.outputs(tick, true, axis_position)
+    }
+
+    fn outputs(&self, tick: i64, enable: bool, axis_position: [Axes; HORIZON]) -> Outputs {
         Outputs {
-            command: self.command(tick, axis_position),
+            command: self.command(tick, enable, axis_position),
             status: self.status(tick),
-        }
-    }
-
-    /// One sample of the sensor, paired with the axes at its instant.
-    fn take(&mut self, sample: &DeflectionSample, tick: i64) {
-        let deflection = self.sensing.deflection(sample);
-        let (axes, time_s) = self.paired_with(sample, tick);
-        let Some(motion) = &mut self.motion else {
-            let normal_in_s = self.settings.kinematics.forward(&self.start).rotation.inverse() * Vector3::z();
-            let at_tcp = deflection_at_tcp(&deflection, self.settings.d);
-            self.sensing
-                .take_at_rest(sample, normal_in_s.dot(&at_tcp.translation));
-            return;
-        };
-        let taken = Sample {
-            time_s,
-            tick: sample.utime / TICK_US,
-            deflection,
-            flags: sample.flags,
-            axes,
-        };
-        let approaching = self.phase == ControllerPhase::Approach;
-        motion.take(&self.settings, &self.expectation, &taken, approaching, tick);
-        match motion.contact_tick() {
-            Some(contact_tick) => {
-                let in_contact_s = (taken.tick - contact_tick) as f64 * TICK_S;
-                self.sensing.take_in_contact(sample, in_contact_s);
-            }
-            // A tilted tool hangs in another way.
-            None if self.tilting.is_some_and(|tilting| tilting.begun()) => {}
-            None => self.sensing.take_free(motion.normal_force_n()),
-        }
-        self.watch_for_collision(&taken);
-    }
-
-    /// The axes that belong to a sample, and when (s): those at its instant, less what the sensor's low pass delays.
-    fn paired_with(&self, sample: &DeflectionSample, tick: i64) -> (Axes, f64) {
-        match self.settings.controller.pairing {
-            Pairing::Sampling => {
-                // The low pass shows the deflection of 1 / (2 pi f) ago.
-                let lag_us = 1e6 / (TAU * self.settings.controller.sensor_bandwidth_hz);
-                let utime = sample.utime as f64 - lag_us;
-                (self.encoders.at(utime), 1e-6 * utime)
-            }
-            Pairing::Arrival => (self.encoders.newest(), tick as f64 * TICK_S),
         }
     }
 
@@ -313,8 +255,13 @@ impl Controller {
             _ => {}
         }
         let late = self.delay_ticks as f64 * TICK_S > self.settings.controller.max_sensor_delay_s;
-        if self.motion.is_some() && (late || self.silent_s(tick) > self.settings.controller.stale_fault_s) {
+        if self.motion.is_some()
+            && (late || self.sensor_silent_s(tick) > self.settings.controller.stale_fault_s)
+        {
             return self.fail(Fault::SensorStale);
+        }
+        if self.motion.is_some() && self.robot_stale(tick) {
+            return self.fail(Fault::StateStale);
         }
         if self.fault == Fault::None {
             self.follow_program(tick);
@@ -324,11 +271,6 @@ impl Controller {
     /// Whether the tare has lasted long enough at `tick`.
     fn tared(&self, tick: i64) -> bool {
         (tick - self.tare_since_tick) as f64 * TICK_S >= self.settings.controller.tare_s
-    }
-
-    /// How long the sensor has brought nothing new, s.
-    fn silent_s(&self, tick: i64) -> f64 {
-        (tick - self.heard_tick) as f64 * TICK_S
     }
 
     /// Latch `fault`, unless another one came first.

@@ -68,8 +68,6 @@ pub struct Limits {
     /// The tcp that the workspace holds for, in s, m.
     tcp_in_s: Vector3<f64>,
     sent: [Sent; 6],
-    /// Before the set-point sent last.
-    before: [Sent; 6],
 }
 
 impl Limits {
@@ -99,20 +97,23 @@ impl Limits {
             kinematics: scenario.robot.kinematics(),
             tcp_in_s: controller.tcp_in_s_m.into(),
             sent: std::array::from_fn(|i| Sent::at_rest(axes[i])),
-            before: std::array::from_fn(|i| Sent::at_rest(axes[i])),
         }
     }
 
     /// The robot stands at `axes` (rad) as the first command is made.
     pub fn begin(&mut self, axes: &Axes) {
         self.sent = std::array::from_fn(|i| Sent::at_rest(axes[i]));
-        self.before = self.sent;
     }
 
-    /// The robot has `followed` other set-points than the one sent last. Beyond the end of a horizon it stands: how it came
+    /// Where the axes are sent.
+    pub fn sent(&self) -> &[Sent; 6] {
+        &self.sent
+    }
+
+    /// The robot has `followed` other set-points than those sent last. Beyond the end of a horizon it stands: how it came
     /// to rest is its own affair.
     pub fn follow(&mut self, followed: &Followed) {
-        self.sent = self.before;
+        self.sent = followed.before().sent;
         for axes in followed.set_points() {
             self.sent = std::array::from_fn(|axis| self.sent[axis].then(axes[axis]));
         }
@@ -140,7 +141,6 @@ impl Limits {
     ///
     /// The limits hold from command to command, and within each one's horizon.
     pub fn apply(&mut self, set_points: &mut [Axes; HORIZON]) -> i32 {
-        self.before = self.sent;
         let mut at = self.sent;
         let mut bits = 0;
         for (i, set_point) in set_points.iter_mut().enumerate() {

@@ -18,6 +18,7 @@ pub(crate) use sensed::Sample;
 use crate::Settings;
 use crate::command_dynamics::CommandDynamics;
 use crate::contact::{ContactSample, Touch};
+use crate::delivery::Followed;
 use crate::detection::Detector;
 use crate::disturbance::Disturbance;
 use crate::dofs::{Dofs, NORMAL, Selection, TaskFrame, TcpCompliance};
@@ -70,8 +71,6 @@ pub(crate) struct Motion {
     /// The way goes on in contact: towards a position, not until a force.
     inserts: bool,
     dynamics: CommandDynamics,
-    /// The same before the set-point sent last.
-    before: CommandDynamics,
     /// Where the servos have yielded to when the next set-point begins to act.
     disturbance: Disturbance,
     detector: Detector,
@@ -145,7 +144,6 @@ impl Motion {
             share: 0.0,
             inserts: false,
             dynamics,
-            before: dynamics,
             disturbance: Disturbance::new(&controller.servo),
             detector: Detector::of(controller, noise_n),
             force_control: ForceControl::new(controller, selection, elastic),
@@ -160,9 +158,18 @@ impl Motion {
         }
     }
 
-    /// At `tick` the robot has followed `set_points` (rad), T apart, instead of the one sent last.
-    pub(crate) fn follow(&mut self, settings: &Settings, tick: i64, set_points: &[Axes]) {
-        self.dynamics = self.before;
+    /// The robot as it is modelled: where it will be when the next set-point begins to act.
+    pub(crate) fn dynamics(&self) -> &CommandDynamics {
+        &self.dynamics
+    }
+
+    /// At `tick` the robot has `followed` other set-points than those sent last.
+    pub(crate) fn follow(&mut self, settings: &Settings, tick: i64, followed: &Followed) {
+        let Some(before) = followed.before().dynamics else {
+            return;
+        };
+        self.dynamics = before;
+        let set_points = followed.set_points();
         for (i, set_point) in set_points.iter().enumerate() {
             if i > 0 {
                 let periods = settings.lead() - 1 - (set_points.len() - i) as i64;

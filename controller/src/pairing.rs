@@ -4,7 +4,7 @@
 
 use spatial::TICK_US;
 use spatial::kinematics::Axes;
-use spatial::ports::RobotState;
+use spatial::ports::{DeflectionSample, RobotState};
 
 /// How far back the encoders are remembered, ticks: the largest sensor delay, and the group delay of its filter.
 const LENGTH: usize = 256;
@@ -60,6 +60,12 @@ impl EncoderHistory {
         younger + (older - younger) * (age - whole)
     }
 
+    /// Whether there is a reading for `utime` (us): half a tick beyond the newest one there is none.
+    pub fn reach(&self, utime: f64) -> bool {
+        self.newest_utime
+            .is_some_and(|newest| utime - newest as f64 <= 0.5 * TICK_US as f64)
+    }
+
     /// The newest axes, whenever they were read: what a controller without time stamps would use.
     pub fn newest(&self) -> Axes {
         self.aged(0)
@@ -100,6 +106,51 @@ impl EncoderHistory {
     }
 }
 
+/// How many samples wait for their encoder readings at most: those of the longest silence of the robot that is no fault.
+const WAITING: usize = 64;
+
+/// Samples of the sensor that have come before the encoder readings of their instant, the oldest first.
+#[derive(Clone, Debug)]
+pub struct Waiting {
+    ring: [DeflectionSample; WAITING],
+    first: usize,
+    count: usize,
+}
+
+impl Default for Waiting {
+    fn default() -> Self {
+        Self {
+            ring: [DeflectionSample::default(); WAITING],
+            first: 0,
+            count: 0,
+        }
+    }
+}
+
+impl Waiting {
+    /// Let `sample` wait behind the others; where too many do, the oldest one goes.
+    pub fn push(&mut self, sample: &DeflectionSample) {
+        if self.count == WAITING {
+            self.go_on();
+        }
+        self.ring[(self.first + self.count) % WAITING] = *sample;
+        self.count += 1;
+    }
+
+    /// The sample that has waited longest.
+    pub fn oldest(&self) -> Option<DeflectionSample> {
+        (self.count > 0).then(|| self.ring[self.first])
+    }
+
+    /// The oldest sample waits no longer.
+    pub fn go_on(&mut self) {
+        if self.count > 0 {
+            self.first = (self.first + 1) % WAITING;
+            self.count -= 1;
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -137,6 +188,31 @@ mod tests {
         assert_eq!(history.at(36_250.0).x, 362.5);
         assert_eq!(history.at(99_000.0).x, 400.0);
         assert_eq!(history.at(-5_000.0).x, 0.0);
+    }
+
+    #[test]
+    fn a_reading_is_there_or_not() {
+        let mut history = EncoderHistory::default();
+        assert!(!history.reach(0.0));
+        history.update(&state(8));
+        assert!(history.reach(8_400.0) && !history.reach(8_600.0));
+    }
+
+    #[test]
+    fn samples_wait_in_their_order_and_the_oldest_go() {
+        let mut waiting = Waiting::default();
+        let sample = |utime| DeflectionSample {
+            utime,
+            ..DeflectionSample::default()
+        };
+        for utime in 0..70 {
+            waiting.push(&sample(utime));
+        }
+        for utime in 6..70 {
+            assert_eq!(waiting.oldest().map(|it| it.utime), Some(utime));
+            waiting.go_on();
+        }
+        assert_eq!(waiting.oldest(), None);
     }
 
     #[test]

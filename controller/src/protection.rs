@@ -6,9 +6,6 @@ use crate::motion::Sample;
 use spatial::kinematics::Axes;
 use spatial::ports::{Fault, HORIZON, LIMIT_LEAD};
 
-/// Periods T without anything new from the sensor after which the robot is held (DESIGN.md section 6).
-const HOLD_PERIODS: f64 = 3.0;
-
 impl Controller {
     /// Latch a collision that the newest sample completes.
     pub(crate) fn watch_for_collision(&mut self, sample: &Sample) {
@@ -60,11 +57,11 @@ impl Controller {
 
     /// The set-points that the motion asks for, within the limits, and the bits of those that bind; `None`: to hold.
     fn wanted(&mut self, tick: i64, actual: &Axes) -> Option<([Axes; HORIZON], i32)> {
-        let silent_s = self.silent_s(tick);
+        let silent = self.sensor_silent_s(tick).max(self.robot_silent_s(tick)) > self.hold_s();
         let tilts = self.tilting.is_some_and(|tilting| tilting.begun());
         let motion = self.motion.as_mut().filter(|_| self.fault == Fault::None)?;
         let (settings, bounds) = (&self.settings, &mut self.bounds);
-        if silent_s > HOLD_PERIODS * settings.period_s() && !tilts {
+        if silent && !tilts {
             return Some(motion.hold(settings, bounds, &self.commanded));
         }
         let answer = match &mut self.tilting {

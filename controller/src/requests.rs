@@ -7,8 +7,8 @@ use crate::parameters::{FORCE, OutOfRange, WRENCH};
 use crate::readiness::{self, Evidence, Refusal};
 use crate::{Controller, ControllerPhase};
 use node::scenario::{StepKind, TaskKind};
+use spatial::Pose;
 use spatial::ports::{Fault, ParameterAnswer, RobotState, Task, TaskAction};
-use spatial::{Pose, TICK_S};
 
 /// The newest request and its answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,7 +97,7 @@ impl Controller {
         self.program.kind() != Some(StepKind::Insert) && self.settings.task.kind == TaskKind::Press
     }
 
-    /// Do what was asked for last, in the cycle at `tick` that answers `state`.
+    /// Do what was asked for last, in the cycle at `tick` with the newest `state` of the robot.
     pub(crate) fn follow_request(&mut self, tick: i64, state: &RobotState) {
         let action = std::mem::take(&mut self.requests.action);
         let outcome = match action {
@@ -191,7 +191,8 @@ impl Controller {
         }
         let fresh_s = self.settings.controller.stale_fault_s;
         let saturated = self.motion.as_ref().is_some_and(|motion| motion.saturated());
-        if self.silent_s(tick) > fresh_s || saturated || state.fault != Fault::None {
+        let silent = self.sensor_silent_s(tick) > fresh_s || self.robot_stale(tick);
+        if silent || saturated || state.fault != Fault::None {
             return Err(latched());
         }
         self.fault = Fault::None;
@@ -232,8 +233,8 @@ impl Controller {
         let settings = &self.settings;
         let evidence = Evidence {
             state,
-            state_age_s: (tick - self.state_tick) as f64 * TICK_S,
-            sensor_age_s: self.silent_s(tick),
+            state_age_s: self.robot_silent_s(tick),
+            sensor_age_s: self.sensor_silent_s(tick),
             saturated: self.sensing.saturated()
                 || self.motion.as_ref().is_some_and(|motion| motion.saturated()),
             lead_m: distance_m(

@@ -4,8 +4,8 @@
 
 mod inputs;
 
-use controller::Controller;
 use controller::agenda::Agenda;
+use controller::{Controller, Heard};
 use crossbeam::select;
 use inputs::Inputs;
 use lcmtypes::{Encoded, Lcm, Received};
@@ -174,7 +174,9 @@ impl Node {
         if let Some(task) = self.agenda.due(tick) {
             self.controller.request(&task);
         }
-        let outputs = self.controller.cycle(state, deflections, object_pose);
+        let outputs = self
+            .controller
+            .cycle(&Heard::complete(state, deflections, object_pose));
         self.answers = [
             shell.publish(device, &outputs.command),
             shell.publish(device, &outputs.status),

@@ -10,10 +10,10 @@ use spatial::ports::{
 use spatial::{Deflection, Pose, Wrench};
 
 impl Controller {
-    pub(crate) fn command(&self, tick: i64, axis_position: [Axes; HORIZON]) -> Command {
+    pub(crate) fn command(&self, tick: i64, enable: bool, axis_position: [Axes; HORIZON]) -> Command {
         Command {
             stamp: Stamp::lockstep(tick, self.settings.seed, Role::Controller),
-            enable: true,
+            enable,
             axis_position,
             send_utime: 0,
             authenticity: Authenticity::default(),

@@ -4,17 +4,21 @@ mod compliance;
 mod impact;
 mod laws;
 mod limits;
+mod losses;
 mod phases;
 mod protection;
 mod readiness;
 mod samples;
 
 use super::*;
-use node::scenario::{self, SensorOutput, TaskKind};
+use nalgebra::Vector3;
+use node::scenario::{self, Pairing, SensorOutput, TaskKind};
 use spatial::ports::{
-    Authenticity, ClockEcho, ENCODER_SAMPLES, HORIZON, RobotMode, Role, SampleFlags, Stamp,
+    Authenticity, ClockEcho, DeflectionSample, Deflections, ENCODER_SAMPLES, HORIZON, ObjectPose, RobotMode,
+    Role, SampleFlags, Stamp,
 };
-use spatial::{Compliance, Deflection, Wrench};
+use spatial::{Compliance, Deflection, TICK_US, Wrench};
+use std::f64::consts::TAU;
 
 fn state(tick: i64, axes: Axes) -> RobotState {
     RobotState {
@@ -88,7 +92,7 @@ fn what_the_arm_cannot_reach_is_a_fault_and_it_holds() {
     let kinematics = scenario.robot.kinematics();
     let mut fault_tick = None;
     for tick in (0..8000).step_by(4) {
-        let outputs = controller.cycle(&state(tick, axes), &undeflected(tick), None);
+        let outputs = controller.cycle(&Heard::complete(&state(tick, axes), &undeflected(tick), None));
         let [next, .., last] = outputs.command.axis_position;
         assert!(
             (next - axes).amax() < 0.1,

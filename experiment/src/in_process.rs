@@ -9,7 +9,7 @@ use controller::agenda::Agenda;
 use node::scenario::Scenario;
 use robot_sim::RobotSim;
 use sensor_sim::SensorSim;
-use spatial::ports::{Deflections, LinkMotion, ObjectPose, RobotState, Task};
+use spatial::ports::{LinkMotion, RobotState, Task};
 use std::hint::black_box;
 
 /// All that is said within one tick.
@@ -44,12 +44,11 @@ pub fn run_with(scenario: &Scenario, tasks: &[Task], mut observe: impl FnMut(&Ti
         let link_motion = robot.link_motion();
         let robot_state = robot.command_due().then(|| robot.state());
         let sensed = sensor.advance(&link_motion);
-        let heard = hear(&mut network, robot_state, &sensed);
-        let answer = heard.map(|(state, deflections, object)| {
-            if let Some(task) = agenda.due(state.stamp.step) {
+        let answer = network.take(robot_state, &sensed).map(|(tick, arrived)| {
+            if let Some(task) = agenda.due(tick) {
                 controller.request(&task);
             }
-            controller.cycle(&state, &deflections, object.as_ref())
+            controller.cycle(&arrived.heard(tick))
         });
         observe(&Tick {
             link_motion,
@@ -60,18 +59,6 @@ pub fn run_with(scenario: &Scenario, tasks: &[Task], mut observe: impl FnMut(&Ti
         let command = network.passes(answer.map(|answer| answer.command));
         robot.advance(&sensed.tool_motion, command.as_ref());
     }
-}
-
-/// What the controller has for a cycle after a tick's messages; `None`: no cycle, without a state.
-fn hear(
-    network: &mut Network,
-    state: Option<RobotState>,
-    sensed: &sensor_sim::Outputs,
-) -> Option<(RobotState, Deflections, Option<ObjectPose>)> {
-    network.take(sensed);
-    let state = network.passes(state)?;
-    let object = network.object_pose();
-    Some((state, *network.deflections()?, object))
 }
 
 /// One of the loop's parts.
@@ -114,9 +101,9 @@ pub fn replay_cycles(scenario: &Scenario, ticks: &[Tick], mut around: impl FnMut
     let mut controller = Controller::new(scenario);
     let mut network = Network::new(scenario);
     for tick in ticks {
-        if let Some((state, deflections, object)) = hear(&mut network, tick.robot_state, &tick.sensor) {
+        if let Some((tick, arrived)) = network.take(tick.robot_state, &tick.sensor) {
             around(&mut || {
-                black_box(controller.cycle(&state, &deflections, object.as_ref()));
+                black_box(controller.cycle(&arrived.heard(tick)));
             });
         }
     }

@@ -1,15 +1,35 @@
 //! The network between the devices, in process: it delivers every message at once, but for those that are lost.
 
+use controller::Heard;
 use lcmtypes::Message;
 use node::scenario::Scenario;
-use spatial::ports::{Deflections, ObjectPose};
+use spatial::ports::{Deflections, ObjectPose, RobotState};
 
-/// What has come through to the controller.
+/// What has come through to the controller since its cycle before.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Arrived {
+    state: Option<RobotState>,
+    deflections: Option<Deflections>,
+    object: Option<ObjectPose>,
+}
+
+impl Arrived {
+    /// For the cycle at `tick`.
+    pub fn heard(&self, tick: i64) -> Heard<'_> {
+        Heard {
+            tick,
+            state: self.state.as_ref(),
+            deflections: self.deflections.as_ref(),
+            object: self.object.as_ref(),
+        }
+    }
+}
+
+/// What is under way.
 #[derive(Debug)]
 pub struct Network<'a> {
     scenario: &'a Scenario,
-    deflections: Option<Deflections>,
-    object_pose: Option<ObjectPose>,
+    arrived: Arrived,
 }
 
 impl<'a> Network<'a> {
@@ -17,8 +37,7 @@ impl<'a> Network<'a> {
     pub fn new(scenario: &'a Scenario) -> Self {
         Self {
             scenario,
-            deflections: None,
-            object_pose: None,
+            arrived: Arrived::default(),
         }
     }
 
@@ -27,19 +46,21 @@ impl<'a> Network<'a> {
         message.filter(|message| !self.scenario.loses(M::CHANNEL, message.stamp().step))
     }
 
-    /// Keep what comes of a tick's messages of the sensor until the controller's next cycle.
-    pub fn take(&mut self, sensed: &sensor_sim::Outputs) {
-        self.deflections = self.passes(Some(sensed.deflections)).or(self.deflections);
-        self.object_pose = self.passes(sensed.object_pose).or(self.object_pose);
-    }
-
-    /// The newest deflections that have come; `None`: none yet.
-    pub fn deflections(&self) -> Option<&Deflections> {
-        self.deflections.as_ref()
-    }
-
-    /// The object's pose, if one has come since this was asked last.
-    pub fn object_pose(&mut self) -> Option<ObjectPose> {
-        self.object_pose.take()
+    /// Take a tick's messages of robot and sensor: what comes through waits for the controller's next cycle. Where one is
+    /// due, at a multiple of T, its tick and all that has come for it.
+    pub fn take(
+        &mut self,
+        state: Option<RobotState>,
+        sensed: &sensor_sim::Outputs,
+    ) -> Option<(i64, Arrived)> {
+        let Arrived {
+            deflections, object, ..
+        } = self.arrived;
+        self.arrived = Arrived {
+            state: self.passes(state),
+            deflections: self.passes(Some(sensed.deflections)).or(deflections),
+            object: self.passes(sensed.object_pose).or(object),
+        };
+        Some((state?.stamp.step, std::mem::take(&mut self.arrived)))
     }
 }

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use allocation_counter::{AllocationInfo, measure};
-use controller::Controller;
+use controller::{Controller, Heard};
 use experiment::scenarios::Source;
 use node::scenario::Scenario;
 use robot_sim::RobotSim;
@@ -26,10 +26,19 @@ fn allocated(scenario: &Scenario) -> ([AllocationInfo; 3], bool) {
         sums[1] += measure(|| sensed = Some(sensor.advance(&link)));
         let sensed = sensed.unwrap();
         sums[2] += measure(|| {
-            answer =
-                state.map(|state| controller.cycle(&state, &sensed.deflections, sensed.object_pose.as_ref()));
+            answer = state.map(|state| {
+                // Every fifth state and every seventh command is missing.
+                let lost = state.stamp.step % 20 == 16;
+                let object = sensed.object_pose.as_ref();
+                let complete = Heard::complete(&state, &sensed.deflections, object);
+                controller.cycle(&Heard {
+                    state: complete.state.filter(|_| !lost),
+                    ..complete
+                })
+            });
         });
         let command = answer.as_ref().map(|answer| &answer.command);
+        let command = command.filter(|command| command.stamp.step % 28 != 12);
         sums[0] += measure(|| robot.advance(&sensed.tool_motion, command));
         touched |= sensed.truth.first_contact_time_s > 0.0;
     }

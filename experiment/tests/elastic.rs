@@ -71,6 +71,34 @@ fn beyond_the_linear_range_the_contact_is_kept() {
     }
 }
 
+/// With every fifth message lost the laws settle as they do without losses, but for the few runs in which what tells of the
+/// contact is lost.
+#[test]
+fn every_fifth_message_may_be_lost() {
+    for name in ["elastic", "elastic_arm"] {
+        for (law, later_s) in [("elastic", 0.010), ("proposed", 0.020), ("pd", 0.050)] {
+            let of = |ratio: f64| {
+                let overrides = [
+                    format!("controller.law={law}"),
+                    format!("network.loss_ratio={ratio:?}"),
+                ];
+                summary(name, &overrides, 8)
+            };
+            let (all, lossy) = (of(0.0), of(0.2));
+            let after_s = lossy.mean.settling_10_s - all.mean.settling_10_s;
+            assert!(
+                after_s <= later_s,
+                "{name}, {law}: {:?} {:?}",
+                lossy.mean,
+                all.mean
+            );
+            let ratio = lossy.mean.iae_n_s / all.mean.iae_n_s;
+            assert!(ratio <= 1.2, "{name}, {law}: {:?} {:?}", lossy.mean, all.mean);
+            assert!(lossy.worst.peak_n <= 1.2 * all.worst.peak_n, "{name}, {law}");
+        }
+    }
+}
+
 /// What `elastic_arm` assumes of its links is what they are in the working posture, to the digits that it gives.
 #[test]
 fn the_assumed_links_are_the_arms() {

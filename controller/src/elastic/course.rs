@@ -24,8 +24,12 @@ impl Default for Course {
 }
 
 impl Course {
-    /// The filters are at `waypoint` at `time_s` (s).
+    /// The filters are at `waypoint` at `time_s` (s), whatever was said of this instant and of later ones.
     pub fn push(&mut self, time_s: f64, waypoint: Waypoint) {
+        while self.count > 0 && self.newest().0 >= time_s {
+            self.next = (self.next + KNOTS - 1) % KNOTS;
+            self.count -= 1;
+        }
         self.knots[self.next] = (time_s, waypoint);
         self.next = (self.next + 1) % KNOTS;
         self.count = (self.count + 1).min(KNOTS);
@@ -97,5 +101,22 @@ mod tests {
             assert!((found.rate - real.rate).abs() < 1e-10);
             assert!((found.change - real.change).abs() < 1e-9);
         }
+    }
+
+    /// What turns out otherwise replaces what was said of the same instant and of all later ones.
+    #[test]
+    fn a_way_is_taken_back_and_said_anew() {
+        let at = |position| Waypoint {
+            position,
+            ..Waypoint::default()
+        };
+        let mut course = Course::default();
+        for i in 0..10 {
+            course.push(f64::from(i), at(1.0));
+        }
+        course.push(7.0, at(2.0));
+        assert_eq!(course.newest(), (7.0, at(2.0)));
+        assert_eq!(course.at(6.0), at(1.0));
+        assert_eq!(course.at(9.0), at(2.0));
     }
 }

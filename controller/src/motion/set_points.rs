@@ -22,7 +22,6 @@ impl Motion {
         let mut held = [*commanded; HORIZON];
         let bits = limits.apply(&mut held) | LIMIT_HOLD;
         self.wait(settings.period_ticks);
-        self.before = self.dynamics;
         self.dynamics.advance(&held[0]);
         let r_from_s = settings.kinematics.forward(&held[0]);
         let coordinates = self.frame.coordinates(&self.posture.hanging_tcp(&r_from_s));
@@ -92,7 +91,6 @@ impl Motion {
         }
         let limited = limits.apply(&mut set_points);
         bits |= limited | if bound { LIMIT_LEAD } else { 0 };
-        self.before = self.dynamics;
         let acceleration = self.dynamics.advance(&set_points[0]);
         if !pressing {
             let acceleration = self.tcp_acceleration(settings, &set_points[0], &acceleration);

@@ -30,7 +30,11 @@ fn pressed(factor: f64, output: SensorOutput, flag: impl Fn(i64) -> SampleFlags)
                 ..flag(sampled)
             };
         }
-        status = Some(controller.cycle(&state(tick, axes), &deflections, None).status);
+        status = Some(
+            controller
+                .cycle(&Heard::complete(&state(tick, axes), &deflections, None))
+                .status,
+        );
     }
     status.unwrap()
 }
@@ -100,7 +104,11 @@ fn the_threshold_is_above_the_noise() {
         let mut status = None;
         for tick in (0..=240).step_by(4) {
             let deflections = sensed(tick, 0, noise);
-            status = Some(controller.cycle(&state(tick, axes), &deflections, None).status);
+            status = Some(
+                controller
+                    .cycle(&Heard::complete(&state(tick, axes), &deflections, None))
+                    .status,
+            );
         }
         status.unwrap().detection.threshold_n
     };
@@ -122,7 +130,8 @@ fn a_calibration_goes_through_its_rests_and_comes_back() {
     let (mut axes, mut seen) = (start, Vec::new());
     let mut tick = 0;
     let last = loop {
-        let Outputs { command, status } = controller.cycle(&state(tick, axes), &undeflected(tick), None);
+        let Outputs { command, status } =
+            controller.cycle(&Heard::complete(&state(tick, axes), &undeflected(tick), None));
         assert_eq!((status.fault, status.limits), (Fault::None, 0));
         if seen.last() != Some(&status.program_step) {
             seen.push(status.program_step);

@@ -16,7 +16,11 @@ fn approach(scenario: &Scenario) -> Vec<(ControllerStatus, f64)> {
                 let share = (sampled - (tick - 4)) as f64 / 4.0;
                 lifted((object - (before.z + (axes.z - before.z) * share)).max(0.0))
             };
-            let outputs = controller.cycle(&state(tick, axes), &sensed(tick, 0, shown), None);
+            let outputs = controller.cycle(&Heard::complete(
+                &state(tick, axes),
+                &sensed(tick, 0, shown),
+                None,
+            ));
             before = axes;
             axes = outputs.command.axis_position[0];
             (outputs.status, axes.z)

@@ -29,11 +29,11 @@ fn the_literal_law_commands_equation_2_of_the_newest_sample() {
         let mut commands = 0;
         for tick in (0..=600).step_by(4) {
             let shown = |sampled: i64| lifted(compliance * force(sampled));
-            let outputs = controller.cycle(
+            let outputs = controller.cycle(&Heard::complete(
                 &state(tick, moved(tick as f64)),
                 &sensed(tick, delay, shown),
                 None,
-            );
+            ));
             let newest = tick - delay;
             if newest < 400 {
                 continue;

@@ -161,7 +161,11 @@ fn run(scenario: &Scenario, stretches: &[Stretch]) -> i32 {
                 }
             };
             let delay = if stretch.sensor == 4 { 100_000 } else { 4 };
-            let outputs = controller.cycle(&state(tick, robot), &sensed(tick, delay, shown), None);
+            let outputs = controller.cycle(&Heard::complete(
+                &state(tick, robot),
+                &sensed(tick, delay, shown),
+                None,
+            ));
             bits |= outputs.status.limits;
             let missed = if cycle % 10 == 9 { stretch.missed } else { 0 };
             // The horizon too, as far as it is followed and beyond.

@@ -14,7 +14,9 @@ fn phases(scenario: &Scenario, force: impl Fn(i64) -> f64) -> Vec<(i64, Controll
     let mut phases = vec![(0, controller.status(0).phase)];
     for tick in (0..=800).step_by(4) {
         let deflections = sensed(tick, 0, |sampled| lifted(COMPLIANCE * force(sampled)));
-        let status = controller.cycle(&state(tick, axes), &deflections, None).status;
+        let status = controller
+            .cycle(&Heard::complete(&state(tick, axes), &deflections, None))
+            .status;
         assert_eq!(status.fault, Fault::None);
         if phases.last().is_some_and(|(_, phase)| *phase != status.phase) {
             phases.push((tick, status.phase));
@@ -70,7 +72,11 @@ fn without_a_valid_sample_it_stays_in_sync() {
     let mut controller = Controller::new(&scenario);
     let axes = scenario.start_axes().unwrap();
     for tick in (0..=400).step_by(4) {
-        let outputs = controller.cycle(&state(tick, axes), &sensed(tick, 1000, |_| lifted(1.0)), None);
+        let outputs = controller.cycle(&Heard::complete(
+            &state(tick, axes),
+            &sensed(tick, 1000, |_| lifted(1.0)),
+            None,
+        ));
         assert_eq!(outputs.status.phase, Sync);
         assert_eq!(outputs.command.axis_position, [axes; HORIZON]);
     }
@@ -87,11 +93,11 @@ fn a_search_that_ends_latches_no_contact_and_holds() {
     let mut fault_axes = None;
     for tick in (0..=2600).step_by(4) {
         let late = if tick < 2300 { 0.0 } else { 10.0 };
-        let Outputs { command, status } = controller.cycle(
+        let Outputs { command, status } = controller.cycle(&Heard::complete(
             &state(tick, axes),
             &sensed(tick, 0, |_| lifted(COMPLIANCE * late)),
             None,
-        );
+        ));
         axes = command.axis_position[0];
         let ended = (tick - 252) as f64 * TICK_S > 1.877;
         let expected = if ended {
@@ -122,7 +128,8 @@ fn the_lead_is_bounded_and_its_bit_says_so() {
     let mut axes = scenario.start_axes().unwrap();
     let mut bound_ticks = Vec::new();
     for tick in (0..=1000).step_by(4) {
-        let Outputs { command, status } = controller.cycle(&state(tick, axes), &undeflected(tick), None);
+        let Outputs { command, status } =
+            controller.cycle(&Heard::complete(&state(tick, axes), &undeflected(tick), None));
         let leads = command.axis_position.map(|next| axes.z - next.z);
         assert!(
             leads.iter().all(|lead| *lead < 3e-3 + 1e-12),
@@ -161,7 +168,9 @@ fn a_saturated_deflection_is_said() {
         let mut deflections = undeflected(tick);
         let saturated = (300..360).contains(&tick);
         deflections.samples[0].flags.saturated = saturated;
-        let status = controller.cycle(&state(tick, axes), &deflections, None).status;
+        let status = controller
+            .cycle(&Heard::complete(&state(tick, axes), &deflections, None))
+            .status;
         assert_eq!(status.limits, 32 * i32::from(saturated), "tick {tick}");
     }
 }
@@ -179,7 +188,8 @@ fn a_sensor_that_is_silent_for_a_moment_holds_the_robot() {
         for sample in &mut deflections.samples {
             sample.flags.valid &= !(501..517).contains(&(sample.utime / spatial::TICK_US));
         }
-        let Outputs { command, status } = controller.cycle(&state(tick, axes), &deflections, None);
+        let Outputs { command, status } =
+            controller.cycle(&Heard::complete(&state(tick, axes), &deflections, None));
         axes = command.axis_position[0];
         at.push((tick, axes.z));
         assert_eq!(status.fault, Fault::None, "tick {tick}");
@@ -202,7 +212,9 @@ fn a_sensor_that_is_too_late_is_a_fault() {
         let axes = scenario.start_axes().unwrap();
         let last = (0..=400).step_by(4).map(|tick| {
             let deflections = sensed(tick, delay, |_| Deflection::default());
-            controller.cycle(&state(tick, axes), &deflections, None).status
+            controller
+                .cycle(&Heard::complete(&state(tick, axes), &deflections, None))
+                .status
         });
         assert_eq!(last.last().unwrap().fault, fault, "{delay} ms");
     }
@@ -221,7 +233,8 @@ fn a_silent_sensor_is_a_fault_and_holds() {
         for sample in &mut deflections.samples {
             sample.flags.valid &= !silent;
         }
-        let Outputs { command, status } = controller.cycle(&state(tick, axes), &deflections, None);
+        let Outputs { command, status } =
+            controller.cycle(&Heard::complete(&state(tick, axes), &deflections, None));
         axes = command.axis_position[0];
         if tick <= 496 + 20 {
             assert_eq!(status.fault, Fault::None, "tick {tick}");

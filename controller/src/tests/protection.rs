@@ -31,7 +31,7 @@ fn pushed(scenario: &Scenario, from: i64, push: &Deflection) -> (Outputs, Contro
             );
             if sampled < from { touched } else { touched + *push }
         });
-        let outputs = controller.cycle(&state(tick, axes), &deflections, None);
+        let outputs = controller.cycle(&Heard::complete(&state(tick, axes), &deflections, None));
         if tick < from {
             (before, at) = (outputs.status.phase, axes);
             assert_eq!(outputs.status.fault, Fault::None, "tick {tick}");
@@ -133,7 +133,7 @@ fn no_law_presses_harder_than_allowed() {
     for tick in (0..=2000).step_by(4) {
         let force = if tick < 300 { 0.0 } else { 5.0 };
         let deflections = sensed(tick, 0, |_| lifted(COMPLIANCE * force));
-        let outputs = controller.cycle(&state(tick, axes), &deflections, None);
+        let outputs = controller.cycle(&Heard::complete(&state(tick, axes), &deflections, None));
         bits |= outputs.status.limits;
         if tick > 300 {
             lowest = lowest.min(tcp(&outputs.command.axis_position[0]) - tcp(&axes));
@@ -159,7 +159,7 @@ fn a_lost_object_is_sought_slowly() {
         for tick in (0..=1400).step_by(4) {
             let force = if (300..700).contains(&tick) { 10.0 } else { 0.0 };
             let deflections = sensed(tick, 0, |_| lifted(COMPLIANCE * force));
-            let outputs = controller.cycle(&state(tick, axes), &deflections, None);
+            let outputs = controller.cycle(&Heard::complete(&state(tick, axes), &deflections, None));
             axes = outputs.command.axis_position[0];
             assert_eq!(outputs.status.fault, Fault::None, "{law:?}, tick {tick}");
             if tick > 760 {

@@ -59,7 +59,7 @@ fn status(cause: Cause, by_itself: bool) -> ControllerStatus {
                 ..Task::default()
             });
         }
-        let Outputs { command, status } = controller.cycle(&state, &deflections, None);
+        let Outputs { command, status } = controller.cycle(&Heard::complete(&state, &deflections, None));
         let begun = status.phase == ControllerPhase::Approach;
         // The set-point is never farther ahead than it may be of a robot that is elsewhere.
         let most = if state.axis_position[0] == axes {

@@ -12,7 +12,11 @@ fn hanging(scenario: &Scenario) -> (Controller, Axes, Deflection) {
         rotation: Vector3::new(0.0, 2.918e-3, 0.0),
     };
     for tick in (0..=300).step_by(4) {
-        controller.cycle(&state(tick, axes), &sensed(tick, 0, |_| sag), None);
+        controller.cycle(&Heard::complete(
+            &state(tick, axes),
+            &sensed(tick, 0, |_| sag),
+            None,
+        ));
     }
     (controller, axes, sag)
 }
@@ -35,7 +39,11 @@ fn a_force_at_the_tcp_is_a_force_without_moment_there() {
             rotation: sag.rotation + moment_at_s * (10.0 * 1f64.to_radians() / 7.0),
         };
         let wrench = controller
-            .cycle(&state(tick, axes), &sensed(tick, 0, |_| pushed), None)
+            .cycle(&Heard::complete(
+                &state(tick, axes),
+                &sensed(tick, 0, |_| pushed),
+                None,
+            ))
             .status
             .wrench;
         assert!((wrench.force - force * 10.0).norm() < 1e-6, "{wrench:?}");
@@ -53,7 +61,11 @@ fn a_moment_is_a_moment_without_force() {
         ..sag
     };
     let wrench = controller
-        .cycle(&state(304, axes), &sensed(304, 0, |_| turned), None)
+        .cycle(&Heard::complete(
+            &state(304, axes),
+            &sensed(304, 0, |_| turned),
+            None,
+        ))
         .status
         .wrench;
     assert!(
@@ -91,7 +103,11 @@ fn the_object_stands_still_however_fast_the_robot_and_late_the_sensor() {
         let mut controller = Controller::new(&scenario);
         for tick in (0..=700).step_by(4) {
             let status = controller
-                .cycle(&state(tick, moved(tick)), &sensed(tick, delay, shown), None)
+                .cycle(&Heard::complete(
+                    &state(tick, moved(tick)),
+                    &sensed(tick, delay, shown),
+                    None,
+                ))
                 .status;
             if (tick - delay) as f64 * TICK_S > touched + 20.0 * tau {
                 let height = status.object_pose.translation.vector.z;
@@ -135,7 +151,7 @@ fn a_force_sample_stands_for_the_deflection_under_it() {
                     }
                 }
             }
-            controller.cycle(&state(tick, start), &deflections, None)
+            controller.cycle(&Heard::complete(&state(tick, start), &deflections, None))
         };
         (0..=500).step_by(4).map(cycle).collect()
     };
@@ -173,7 +189,11 @@ fn the_approach_waits_for_the_object_to_be_seen() {
     for tick in (0..=600).step_by(4) {
         let pose = (tick % 8 == 0).then(|| seen(tick));
         let status = controller
-            .cycle(&state(tick, axes), &undeflected(tick), pose.as_ref())
+            .cycle(&Heard::complete(
+                &state(tick, axes),
+                &undeflected(tick),
+                pose.as_ref(),
+            ))
             .status;
         let expected = match tick {
             ..200 => ControllerPhase::Sync,

@@ -83,6 +83,7 @@ pub enum CalibrateError {
 fn remedy(fault: Fault) -> &'static str {
     match fault {
         Fault::SensorStale => "the sensor was silent for longer than controller.stale_fault_s",
+        Fault::StateStale => "the robot was silent for longer than controller.stale_fault_s",
         _ => "lower task.calibration_tilt_rad or start elsewhere",
     }
 }

@@ -52,7 +52,7 @@ schema::section! {
         drift_limit_n: f64 = 0.4, in 1e-3..=1e4;
         /// How old the newest sample may be before that is a fault; older ones are also no answer for a start.
         max_sensor_delay_s: f64 = 0.050, in 1e-3..=10.0;
-        /// How long the sensor may bring nothing new before that is a fault; after 3 T the robot is held.
+        /// How long sensor or robot may bring nothing new before that is a fault; after 3 T the robot is held.
         stale_fault_s: f64 = 0.020, in 1e-3..=10.0;
         /// How many times heavier, or lighter, than tool_mass_kg the tool may look on its sensor before a start is refused.
         plausible_mass_ratio: f64 = 4.0, in 1.01..=1e3;

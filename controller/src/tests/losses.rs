@@ -1,0 +1,136 @@
+//! Cycles for which messages are missing.
+
+use super::*;
+use spatial::ports::{LIMIT_HOLD, ParameterAnswer, Task, TaskAction};
+
+/// A cycle at `tick` of which the state is missing.
+fn stateless<'a>(tick: i64, deflections: &'a Deflections) -> Heard<'a> {
+    Heard {
+        tick,
+        state: None,
+        deflections: Some(deflections),
+        object: None,
+    }
+}
+
+#[test]
+fn before_the_first_state_nothing_is_enabled() {
+    let scenario = weightless();
+    let mut controller = Controller::new(&scenario);
+    let axes = scenario.start_axes().unwrap();
+    for tick in (0..40).step_by(4) {
+        let deflections = undeflected(tick);
+        let Outputs { command, status } = controller.cycle(&stateless(tick, &deflections));
+        assert!(!command.enable && command.stamp.step == tick);
+        assert_eq!((status.phase, status.fault), (ControllerPhase::Init, Fault::None));
+    }
+    let outputs = controller.cycle(&Heard::complete(&state(40, axes), &undeflected(40), None));
+    assert_eq!(outputs.command.axis_position, [axes; HORIZON]);
+    assert!(outputs.command.enable && outputs.status.phase == ControllerPhase::Sync);
+}
+
+/// Tare, start and the way down are the same, bit by bit, with every other state missing.
+#[test]
+fn on_its_way_no_state_is_missed() {
+    let scenario = weightless();
+    let [mut all, mut half] = [(); 2].map(|()| Controller::new(&scenario));
+    let mut axes = scenario.start_axes().unwrap();
+    for tick in (0..1200).step_by(4) {
+        let (state, deflections) = (state(tick, axes), undeflected(tick));
+        let complete = Heard::complete(&state, &deflections, None);
+        let expected = all.cycle(&complete);
+        let found = half.cycle(&Heard {
+            state: complete.state.filter(|_| tick % 8 == 0),
+            ..complete
+        });
+        assert_eq!(found.command, expected.command, "tick {tick}");
+        assert_eq!(found.status.phase, expected.status.phase, "tick {tick}");
+        axes = expected.command.axis_position[0];
+    }
+    assert!(scenario.start_axes().unwrap().z - axes.z > 0.01);
+}
+
+/// The tcp moves on the robot that goes up and down; its samples tell where it was as soon as the encoders do, and the same.
+#[test]
+fn samples_wait_for_their_encoder_readings() {
+    let scenario = weightless();
+    let [mut all, mut lossy] = [(); 2].map(|()| Controller::new(&scenario));
+    let start = scenario.start_axes().unwrap();
+    let moved = |tick: i64| {
+        let mut axes = start;
+        axes.z += 1e-3 * libm::sin(0.03 * (tick - 240).clamp(0, 1000) as f64);
+        axes
+    };
+    let mut waited = 0;
+    for tick in (0..800).step_by(4) {
+        let state = RobotState {
+            sample_count: (tick + 1).min(ENCODER_SAMPLES as i64) as i32,
+            axis_position: std::array::from_fn(|age| moved(tick - age as i64)),
+            ..state(tick, start)
+        };
+        let deflections = undeflected(tick);
+        let complete = Heard::complete(&state, &deflections, None);
+        let expected = all.cycle(&complete).status.tcp_pose;
+        let lost = tick % 20 == 8;
+        let found = lossy.cycle(&Heard {
+            state: complete.state.filter(|_| !lost),
+            ..complete
+        });
+        assert_eq!(found.status.fault, Fault::None);
+        if lost && tick > 240 {
+            assert_ne!(found.status.tcp_pose, expected, "tick {tick}");
+            waited += 1;
+        } else {
+            assert_eq!(found.status.tcp_pose, expected, "tick {tick}");
+        }
+    }
+    assert!(waited > 20);
+}
+
+/// A robot that is silent for more than 3 T, 12 ms, is held, and its silence of more than 20 ms is a fault that stays when it
+/// speaks again, until it is asked to go.
+#[test]
+fn a_silent_robot_is_held_and_then_a_fault() {
+    let scenario = weightless();
+    let mut controller = Controller::new(&scenario);
+    let mut axes = scenario.start_axes().unwrap();
+    let mut held = None;
+    let request = |count, action| Task {
+        stamp: Stamp {
+            step: count,
+            utime: 0,
+            boot_id: 9,
+        },
+        action,
+        ..Task::default()
+    };
+    for tick in (0..=900).step_by(4) {
+        // Reset too early, and in time.
+        if tick == 600 || tick == 800 {
+            controller.request(&request(tick, TaskAction::Reset));
+        }
+        let (state, deflections) = (state(tick, axes), undeflected(tick));
+        let silent = (500..700).contains(&tick);
+        let complete = Heard::complete(&state, &deflections, None);
+        let Outputs { command, status } = controller.cycle(&Heard {
+            state: complete.state.filter(|_| !silent),
+            ..complete
+        });
+        axes = command.axis_position[0];
+        let expected = match tick {
+            ..=516 => Fault::None,
+            800.. => Fault::None,
+            _ => Fault::StateStale,
+        };
+        assert_eq!(status.fault, expected, "tick {tick}");
+        let holds = status.limits & LIMIT_HOLD != 0;
+        assert_eq!(holds, tick == 512 || tick == 516, "tick {tick}");
+        if tick == 600 {
+            assert_eq!(status.task_answer, ParameterAnswer::FaultLatched);
+        }
+        if expected != Fault::None {
+            let still = *held.get_or_insert(axes);
+            assert_eq!(command.axis_position, [still; HORIZON], "tick {tick}");
+        }
+    }
+}
