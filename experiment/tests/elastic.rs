@@ -9,10 +9,14 @@ use spatial::kinematics::Arm;
 
 /// Contact phases and seeds that no tuning has seen.
 fn summary(name: &str, overrides: &[String], phases: usize) -> Summary {
+    summary_of(name, overrides, phases, 1)
+}
+
+fn summary_of(name: &str, overrides: &[String], phases: usize, seeds: usize) -> Summary {
     let mut overrides = overrides.to_vec();
     overrides.push("timing.seed=1001".to_owned());
     let scenario: Scenario = Source::find(name).unwrap().scenario(&overrides).unwrap();
-    Summary::of(&outcomes(&variations(&scenario, phases, 1), || ())).unwrap()
+    Summary::of(&outcomes(&variations(&scenario, phases, seeds), || ())).unwrap()
 }
 
 /// All gear modes of the robot `ratio` times those that are assumed.
@@ -82,7 +86,7 @@ fn every_fifth_message_may_be_lost() {
                     format!("controller.law={law}"),
                     format!("network.loss_ratio={ratio:?}"),
                 ];
-                summary(name, &overrides, 8)
+                summary_of(name, &overrides, 2, 5)
             };
             let (all, lossy) = (of(0.0), of(0.2));
             let after_s = lossy.mean.settling_10_s - all.mean.settling_10_s;
