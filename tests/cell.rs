@@ -49,6 +49,7 @@ impl Bench {
             wiring: Wiring::shared(&port.device_url(), &port.simulation_url()),
             run_id: i64::from(port.port()),
             directory: directory.path().to_owned(),
+            flags: Default::default(),
         };
         Ok(Self {
             scenario: Scenario::load(&file, &overrides)?,

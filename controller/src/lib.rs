@@ -93,7 +93,7 @@ use sensing::Sensing;
 use settings::Settings;
 use spatial::TICK_S;
 use spatial::kinematics::Axes;
-use spatial::ports::{Command, ControllerPhase, ControllerStatus, Fault, HORIZON, RobotState};
+use spatial::ports::{Command, ControllerPhase, ControllerStatus, Fault, HORIZON, RobotMode, RobotState};
 use tilting::Tilting;
 
 /// What one cycle brings.
@@ -184,8 +184,8 @@ impl Controller {
         }
     }
 
-    /// One cycle, due every T whatever has come: the command and the status of its tick. Before the first state of the robot
-    /// the command enables nothing.
+    /// One cycle, due every T whatever has come: the command and the status of its tick. Before the first state of the robot,
+    /// and while it has a fault, the command enables nothing.
     ///
     /// All messages have been checked by whoever received them.
     pub fn cycle(&mut self, heard: &Heard<'_>) -> Outputs {
@@ -203,10 +203,14 @@ impl Controller {
         self.hear_sensor(heard.deflections, tick);
         self.slew(tick);
         self.change_phase(tick, &state);
+        if !follows(&state) && self.motion.is_some() {
+            // It goes on from where it stands.
+            self.commanded = state.axis_setpoint;
+        }
         let before = self.modelled();
         let axis_position = self.set_points(tick, &self.actual(&state, tick));
         self.delivery.send(tick, &axis_position, before);
-        self.outputs(tick, true, axis_position)
+        self.outputs(tick, state.fault == Fault::None, axis_position)
     }
 
     fn outputs(&self, tick: i64, enable: bool, axis_position: [Axes; HORIZON]) -> Outputs {
@@ -254,6 +258,9 @@ impl Controller {
             }
             _ => {}
         }
+        if state.fault != Fault::None {
+            return self.fail(state.fault);
+        }
         let late = self.delay_ticks as f64 * TICK_S > self.settings.controller.max_sensor_delay_s;
         if self.motion.is_some()
             && (late || self.sensor_silent_s(tick) > self.settings.controller.stale_fault_s)
@@ -280,6 +287,11 @@ impl Controller {
             self.fault = fault;
         }
     }
+}
+
+/// Whether the robot executes commands.
+fn follows(state: &RobotState) -> bool {
+    matches!(state.mode, RobotMode::Following | RobotMode::Bridging)
 }
 
 #[cfg(test)]

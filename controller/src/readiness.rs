@@ -3,7 +3,7 @@
 use crate::settings::Settings;
 use nalgebra::{Matrix3, Vector3};
 use node::scenario::TaskKind;
-use spatial::ports::{Fault, ParameterAnswer, RobotMode, RobotState};
+use spatial::ports::{Fault, ParameterAnswer, RobotState};
 use spatial::{Deflection, GRAVITY_M_PER_S2, Pose};
 
 /// Why nothing begins, and the limit that was left, in the unit that [`ParameterAnswer`] says.
@@ -42,7 +42,7 @@ const TELLING_LEVER_M: f64 = 0.005;
 pub(crate) fn check(settings: &Settings, evidence: &Evidence<'_>) -> Result<(), Refusal> {
     let fresh_s = FRESH_PERIODS * settings.period_s();
     let (state, max_lead_m) = (evidence.state, settings.controller.max_lead_m);
-    let fails = state.fault != Fault::None || matches!(state.mode, RobotMode::Braking | RobotMode::Fault);
+    let fails = state.fault != Fault::None || !crate::follows(state);
     let reasons = [
         (
             evidence.state_age_s > fresh_s,

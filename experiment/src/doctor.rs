@@ -4,6 +4,7 @@
 //! than a second where all is well, and never more than a few.
 
 mod multicast;
+mod realtime;
 
 use std::fmt;
 use std::fs;
@@ -95,6 +96,8 @@ pub fn examine(options: &Options) -> Vec<Finding> {
         ),
         sockets(&read("/proc/net/udp")),
         default_port(options.listen),
+        realtime::rights(),
+        realtime::wake_ups(),
     ]
 }
 

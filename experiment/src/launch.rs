@@ -42,6 +42,8 @@ pub struct Plan {
     pub run_id: i64,
     /// Where each node's record goes, as [`Plan::record`].
     pub directory: PathBuf,
+    /// Further flags, by role.
+    pub flags: [Vec<String>; 3],
 }
 
 /// How long a started process may take to be heard of, and how long a running robot may stay silent. Longer than

@@ -11,8 +11,8 @@ use std::collections::BTreeSet;
 fn what_does_not_exist_is_refused_by_name() {
     for (arguments, error) in [
         (
-            "compare --set timing.mode=realtime",
-            "timing.mode = \"realtime\" is not available yet; choose \"lockstep\"",
+            "compare --set timing.mode=realtim",
+            "timing.mode is the unknown word \"realtim\"; choose \"lockstep\" or \"realtime\"",
         ),
         ("compare --laws pid", "controller.law is the unknown word \"pid\""),
         (

@@ -1,5 +1,6 @@
 //! What a process publishes of itself, and what it must agree on with the others.
 
+use crate::clock_sync::Estimate;
 use crate::scenario::Scenario;
 use hdrhistogram::Histogram;
 use spatial::ports::{Fault, Hello, Latencies, LinkQuality, NodeState, NodeStatus, PROTOCOL, Role, Stamp};
@@ -20,11 +21,36 @@ pub fn hello(scenario: &Scenario, run_id: i64) -> Hello {
 #[derive(Clone, Debug)]
 pub struct Health {
     status: NodeStatus,
-    answers: Option<Histogram<u64>>,
+    answers: Durations,
+    lateness: Durations,
+    round_trips: Durations,
 }
 
-/// Longest answer time told apart, ns.
+/// Durations of one kind.
+#[derive(Clone, Debug)]
+struct Durations(Option<Histogram<u64>>);
+
+/// Longest duration told apart, ns.
 const LONGEST_NS: u64 = 10_000_000_000;
+
+impl Durations {
+    fn new() -> Self {
+        Self(Histogram::new_with_bounds(1, LONGEST_NS, 2).ok())
+    }
+
+    fn add(&mut self, duration: Duration) {
+        if let Some(histogram) = &mut self.0 {
+            histogram.saturating_record(u64::try_from(duration.as_nanos()).unwrap_or(LONGEST_NS));
+        }
+    }
+
+    fn percentiles(&self) -> Latencies {
+        self.0
+            .as_ref()
+            .filter(|histogram| !histogram.is_empty())
+            .map_or(Latencies::default(), percentiles)
+    }
+}
 
 impl Health {
     /// A process that starts.
@@ -56,7 +82,60 @@ impl Health {
         };
         Self {
             status,
-            answers: Histogram::new_with_bounds(1, LONGEST_NS, 2).ok(),
+            answers: Durations::new(),
+            lateness: Durations::new(),
+            round_trips: Durations::new(),
+        }
+    }
+
+    /// In real time: the process `boot_id`, with or without all real-time rights.
+    pub(crate) fn be(&mut self, boot_id: i64, realtime: bool) {
+        self.status.stamp.boot_id = boot_id;
+        self.status.realtime = realtime;
+    }
+
+    /// In real time: the instant of the coming status on the own clock, us.
+    pub(crate) fn set_utime(&mut self, utime: i64) {
+        self.status.stamp.utime = utime;
+    }
+
+    /// In real time: forget that a peer did not match, since one does now.
+    pub(crate) fn forgive_mismatch(&mut self) {
+        if self.status.fault == Fault::HelloMismatch {
+            self.forgive();
+        }
+    }
+
+    /// Clear the latched fault.
+    pub fn forgive(&mut self) {
+        self.status.fault = Fault::None;
+        self.status.fault_step = -1;
+        self.status.fault_peer = self.status.role;
+        (self.status.fault_expected, self.status.fault_found) = (0, 0);
+        self.status.state = match self.status.stamp.step {
+            ..0 => NodeState::Starting,
+            _ => NodeState::Running,
+        };
+    }
+
+    /// A deadline was met `late`; a new time of plant lost, s.
+    pub fn wake(&mut self, late: Duration, slip_s: f64) {
+        self.lateness.add(late);
+        self.status.slip_s = slip_s;
+    }
+
+    /// A message has gone to a peer and back within `round_trip`.
+    pub fn round_trip(&mut self, round_trip: Duration) {
+        self.round_trips.add(round_trip);
+    }
+
+    /// How the clock of `peer`, robot or sensor, differs from the own one.
+    pub fn clock(&mut self, peer: Role, estimate: &Estimate) {
+        let (status, i) = (&mut self.status, peer as usize);
+        if i < status.clock_offset_s.len() {
+            status.clock_offset_s[i] = 1e-6 * estimate.ahead_us;
+            status.clock_bound_s[i] = 1e-6 * estimate.bound_us;
+            status.clock_rate[i] = estimate.rate;
         }
     }
 
@@ -77,13 +156,12 @@ impl Health {
 
     /// Reach `tick`, which took `answer` to answer.
     pub fn reach(&mut self, tick: i64, answer: Duration) {
-        self.status.stamp = Stamp::lockstep(tick, self.status.hello.seed, self.status.role);
+        self.status.stamp.step = tick;
+        self.status.stamp.utime = tick * spatial::TICK_US;
         if self.status.state == NodeState::Starting {
             self.status.state = NodeState::Running;
         }
-        if let Some(histogram) = &mut self.answers {
-            histogram.saturating_record(u64::try_from(answer.as_nanos()).unwrap_or(LONGEST_NS));
-        }
+        self.answers.add(answer);
     }
 
     /// The configured duration is over.
@@ -115,7 +193,9 @@ impl Health {
     /// The message, now.
     pub fn status(&self) -> NodeStatus {
         NodeStatus {
-            answer: self.answers.as_ref().map_or(Latencies::default(), percentiles),
+            answer: self.answers.percentiles(),
+            lateness: self.lateness.percentiles(),
+            round_trip: self.round_trips.percentiles(),
             ..self.status
         }
     }

@@ -6,16 +6,24 @@
 //! | who answers what in lockstep (pure) | [`lockstep`] |
 //! | whether two nodes may work together (pure) | [`greeting`] |
 //! | the only place that reads a clock | [`clock`] |
+//! | how a peer's clock differs, from four time stamps (pure) | [`clock_sync`] |
+//! | whom a node works with in real time (pure) | [`peers`] |
+//! | the robot's states, and who may command it (pure) | [`robot_states`] |
+//! | real-time rights | [`rights`] |
 //! | flags, configuration, logging, signals, links and records of a process | [`shell`] |
 //! | what a process publishes of itself | [`health`] |
 //! | what ends a process's work | [`problem`] |
 //! | what a process has published, in an LCM event log | [`record`] |
 
 pub mod clock;
+pub mod clock_sync;
 pub mod greeting;
 pub mod health;
 pub mod lockstep;
+pub mod peers;
 pub mod problem;
 pub mod record;
+pub mod rights;
+pub mod robot_states;
 pub mod scenario;
 pub mod shell;

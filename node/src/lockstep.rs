@@ -31,8 +31,13 @@ pub struct Follower {
 impl Follower {
     /// Follows a master with `boot_id` that begins with tick 0 and goes on in strides of `stride` ticks.
     pub fn new(stride: i64, master_boot_id: i64) -> Self {
+        Self::starting_at(0, stride, master_boot_id)
+    }
+
+    /// The same from tick `first` on.
+    pub fn starting_at(first: i64, stride: i64, master_boot_id: i64) -> Self {
         Self {
-            last: -stride,
+            last: first - stride,
             stride,
             master_boot_id,
         }

@@ -35,6 +35,27 @@ pub enum Problem {
         /// Its fault.
         fault: Fault,
     },
+    /// The own role is taken.
+    Taken {
+        /// This process.
+        own: i64,
+        /// The process that has it.
+        other: i64,
+    },
+    /// The robot has latched a fault (real time).
+    RobotFault {
+        /// Why.
+        fault: Fault,
+        /// The axis that it concerns, -1: none.
+        axis: i32,
+    },
+    /// The simulated world does not go on (real time).
+    WorldSilent {
+        /// The tick.
+        tick: i64,
+        /// For how long, s.
+        seconds: f64,
+    },
     /// A message of this node can't be published.
     OwnMessage {
         /// Its channel.
@@ -82,6 +103,9 @@ impl Problem {
                 *tick - 1,
             ),
             Self::PeerFault { peer, fault } => (*fault, *peer, 0, 0),
+            Self::Taken { own: this, other } => (Fault::SecondOwner, own, *this, *other),
+            Self::RobotFault { fault, axis } => (*fault, own, 0, i64::from(*axis)),
+            Self::WorldSilent { tick, .. } => (Fault::SimLost, Role::Sensor, *tick, *tick - 1),
             Self::OwnMessage { .. } => (Fault::MessageInvalid, own, 0, 0),
             Self::Record { .. } => (Fault::RecordFailed, own, 0, 0),
             Self::LinkEnded => (Fault::SimLost, own, 0, 0),
@@ -134,6 +158,33 @@ impl fmt::Display for Problem {
             Self::PeerFault { peer, fault } => {
                 write!(f, "{} has latched the fault {fault:?}", role_name(*peer))
             }
+            Self::Taken { own, other } => write!(
+                f,
+                "another process (boot id {other:x}) plays this role already, this one is {own:x}; stop it first, or give \
+                 each cell channels of its own by --url"
+            ),
+            Self::RobotFault { fault, axis } => {
+                let (what, remedy) = match fault {
+                    Fault::CommandGap => (
+                        "no command for robot.command_gap_s beyond the horizon of the last one".to_owned(),
+                        "see that the controller runs and is heard",
+                    ),
+                    _ if *axis >= 0 => (
+                        format!("{fault:?} of axis {axis}"),
+                        "see that what commands the robot keeps to its limits",
+                    ),
+                    _ => (format!("{fault:?}"), "mend its cause"),
+                };
+                write!(
+                    f,
+                    "the robot has stopped: {what}; {remedy}, then `touchdown task reset`"
+                )
+            }
+            Self::WorldSilent { tick, seconds } => write!(
+                f,
+                "no answer to tick {tick} from sensor-sim for {seconds} s: the simulated world stands still; restart \
+                 sensor-sim, then `touchdown task reset`"
+            ),
             Self::OwnMessage { channel, invalid } => {
                 write!(f, "own message on {channel} can't be published: {invalid}")
             }

@@ -1,10 +1,14 @@
 //! The shell of a process: flags, configuration, logging, signals, links and records.
 
+mod realtime;
+
+pub use realtime::{RealTime, RealTimeFlags};
+
 use crate::greeting::{self, role_name};
 use crate::health::{self, Health};
 use crate::problem::Problem;
 use crate::record::Recorder;
-use crate::scenario::Scenario;
+use crate::scenario::{Scenario, TimingMode};
 use anyhow::Context;
 use crossbeam::channel::{Receiver, bounded};
 use lcmtypes::{Counters, Encoded, Lcm, LcmBuilder, Message};
@@ -39,6 +43,9 @@ pub struct Flags {
     /// End when the process with this id, which started this one, ends
     #[arg(long, value_name = "PID")]
     pub with_parent: Option<i32>,
+    /// What matters in real time alone.
+    #[command(flatten)]
+    pub realtime: RealTimeFlags,
 }
 
 /// What a node has at hand once its flags are read and its links are open.
@@ -56,6 +63,14 @@ pub struct Shell {
     untold: bool,
 }
 
+/// What drives a node's time.
+pub enum Pace {
+    /// The ticks of the clock master, as fast as they come.
+    Lockstep(Shell),
+    /// The host's clock.
+    RealTime(RealTime),
+}
+
 impl Flags {
     /// Start the process in `role`: logging to stderr, configuration, signals, record.
     pub fn start(&self, role: Role) -> anyhow::Result<Shell> {
@@ -68,8 +83,8 @@ impl Flags {
         let loss = scenario.network.loss_ratio;
         anyhow::ensure!(
             loss == 0.0,
-            "network.loss_ratio is {loss}, but in lockstep the robot repeats what is lost; set it to 0, or stay in one \
-             process (`touchdown compare`)"
+            "network.loss_ratio is {loss}, but in lockstep the robot repeats what is lost, and in real time the network \
+             loses what it does; set it to 0, or stay in one process (`touchdown compare`)"
         );
         let recorder = self.record.as_deref().map(Recorder::create).transpose()?;
         let health = Health::new(role, health::hello(&scenario, self.run_id));
@@ -82,6 +97,14 @@ impl Flags {
             role,
             greeted: false,
             untold: false,
+        })
+    }
+
+    /// `shell` in real time, if the scenario asks for that.
+    pub fn realtime(&self, shell: Shell) -> anyhow::Result<Pace> {
+        Ok(match shell.scenario.timing.mode {
+            TimingMode::Lockstep => Pace::Lockstep(shell),
+            TimingMode::Realtime => Pace::RealTime(RealTime::start(shell, &self.realtime)?),
         })
     }
 

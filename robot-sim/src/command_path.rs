@@ -34,11 +34,15 @@ impl CommandPath {
         path
     }
 
-    /// Take the horizon of a command issued at `tick`, a multiple of the period.
-    pub fn accept(&mut self, tick: i64, command: &Command) {
-        let first = tick / self.period + self.delay_periods + 1;
+    /// Take at tick `now` the horizon of a command that was issued at its own tick. What of it belongs to a period that is
+    /// over or under way comes too late.
+    pub fn accept(&mut self, now: i64, command: &Command) {
+        let first = command.stamp.step / self.period + self.delay_periods + 1;
+        let under_way = (now + self.period - 1) / self.period;
         for (index, axes) in (first..).zip(&command.axis_position) {
-            self.put(index, *axes);
+            if index > under_way {
+                self.put(index, *axes);
+            }
         }
     }
 
@@ -86,9 +90,12 @@ mod tests {
     use super::*;
     use spatial::ports::{Authenticity, Stamp};
 
-    fn command(first: f64, slope: f64) -> Command {
+    fn command(tick: i64, first: f64, slope: f64) -> Command {
         Command {
-            stamp: Stamp::default(),
+            stamp: Stamp {
+                step: tick,
+                ..Stamp::default()
+            },
             enable: true,
             axis_position: std::array::from_fn(|i| Axes::repeat(first + slope * i as f64)),
             send_utime: 0,
@@ -99,7 +106,7 @@ mod tests {
     #[test]
     fn a_command_acts_after_its_delay_and_moves_linearly() {
         let mut path = CommandPath::new(4, 2, Axes::zeros());
-        path.accept(0, &command(1.0, 0.0));
+        path.accept(0, &command(0, 1.0, 0.0));
         let heights: Vec<f64> = (0..=14).map(|tick| path.at(tick).x).collect();
         let expected = [
             0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.25, 0.5, 0.75, 1.0, 1.0, 1.0,
@@ -110,8 +117,8 @@ mod tests {
     #[test]
     fn newer_commands_overwrite_older_horizons() {
         let mut path = CommandPath::new(4, 2, Axes::zeros());
-        path.accept(0, &command(1.0, 1.0));
-        path.accept(4, &command(0.0, 0.0));
+        path.accept(0, &command(0, 1.0, 1.0));
+        path.accept(4, &command(4, 0.0, 0.0));
         assert_eq!(path.at(12).x, 1.0);
         assert_eq!(path.at(16).x, 0.0);
         assert_eq!(path.at(40).x, 0.0);
@@ -120,9 +127,18 @@ mod tests {
     #[test]
     fn without_commands_the_horizon_is_followed_to_its_end_and_held() {
         let mut path = CommandPath::new(4, 2, Axes::zeros());
-        path.accept(0, &command(1.0, 1.0));
+        path.accept(0, &command(0, 1.0, 1.0));
         assert_eq!(path.at(40).x, 8.0);
         assert_eq!(path.at(42).x, 8.0);
         assert_eq!(path.at(4000).x, 8.0);
+    }
+
+    /// The command of tick 0 acts from tick 8 on; it comes at tick 10, in the period that ends with its first set-point.
+    #[test]
+    fn what_comes_too_late_does_not_bend_the_period_under_way() {
+        let mut path = CommandPath::new(4, 2, Axes::zeros());
+        path.accept(10, &command(0, 1.0, 1.0));
+        let heights: Vec<f64> = (10..=16).map(|tick| path.at(tick).x).collect();
+        assert_eq!(heights, [0.0, 0.0, 0.0, 0.5, 1.0, 1.5, 2.0]);
     }
 }

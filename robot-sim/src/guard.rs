@@ -1,5 +1,6 @@
 //! Which commands the robot executes, and why not the others.
 
+use node::robot_states::Verdict;
 use node::scenario::{Drives, Scenario};
 use spatial::TICK_S;
 use spatial::kinematics::Axes;
@@ -16,14 +17,8 @@ pub struct Guard {
     period_s: f64,
 }
 
-/// Why a command is not executed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Refusal {
-    /// What is wrong with it.
-    pub fault: Fault,
-    /// The first axis concerned.
-    pub axis: i32,
-}
+/// How far a set-point may lie from where the robot stands without asking for motion, rad.
+const STAY_RAD: f64 = 1e-3;
 
 impl Guard {
     /// The guard of a scenario's robot.
@@ -34,34 +29,33 @@ impl Guard {
         }
     }
 
-    /// Whether all set-points of `command`, the first one following `previous` (rad), can be executed.
-    pub fn judge(&self, previous: &Axes, command: &Command) -> Result<(), Refusal> {
+    /// What `command` asks for: whether all its set-points, the first one following `previous` (rad), can be executed.
+    pub fn judge(&self, previous: &Axes, command: &Command) -> Verdict {
         if command.check().is_err() {
             let finite = |axis: &usize| command.axis_position.iter().all(|s| s[*axis].is_finite());
             let axis = (0..6).find(|axis| !finite(axis)).unwrap_or_default();
-            return Err(refusal(Fault::CommandInvalid, axis));
+            return refused(Fault::CommandInvalid, axis);
         }
-        let mut previous = *previous;
+        let (mut previous, first) = (*previous, *previous);
+        let mut stays = true;
         for setpoint in &command.axis_position {
             for axis in 0..6 {
                 let range = self.drives.axis_minimum_rad[axis]..=self.drives.axis_maximum_rad[axis];
                 if !range.contains(&setpoint[axis]) {
-                    return Err(refusal(Fault::AxisLimit, axis));
+                    return refused(Fault::AxisLimit, axis);
                 }
                 let speed = libm::fabs(setpoint[axis] - previous[axis]) / self.period_s;
                 if speed > EXCESS * self.drives.velocity_limit_rad_per_s[axis] {
-                    return Err(refusal(Fault::VelocityLimit, axis));
+                    return refused(Fault::VelocityLimit, axis);
                 }
+                stays &= libm::fabs(setpoint[axis] - first[axis]) < STAY_RAD;
             }
             previous = *setpoint;
         }
-        Ok(())
+        if stays { Verdict::Stay } else { Verdict::Move }
     }
 }
 
-fn refusal(fault: Fault, axis: usize) -> Refusal {
-    Refusal {
-        fault,
-        axis: axis as i32,
-    }
+fn refused(fault: Fault, axis: usize) -> Verdict {
+    Verdict::Refused(fault, axis as i32)
 }

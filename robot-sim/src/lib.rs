@@ -14,14 +14,14 @@ pub mod servo;
 
 use command_path::CommandPath;
 use dynamics::{Dynamics, State};
-use guard::{Guard, Refusal};
+use guard::Guard;
 use links::Posture;
+use node::robot_states::{Answer, Heard, Patience, RobotStates};
 use node::scenario::{Drives, Robot, Scenario};
 use servo::{Servo, ServoParameters};
 use spatial::kinematics::Axes;
 use spatial::ports::{
-    Authenticity, ClockEcho, Command, ENCODER_SAMPLES, Fault, LinkMotion, RobotMode, RobotState, Role, Stamp,
-    ToolMotion,
+    Authenticity, ClockEcho, Command, ENCODER_SAMPLES, Fault, LinkMotion, RobotState, Role, Stamp, ToolMotion,
 };
 use spatial::{Motion, TICK_S};
 use std::f64::consts::TAU;
@@ -45,12 +45,16 @@ pub struct RobotSim {
     posture: Posture,
     link: Motion,
     motor_work_j: f64,
+    patience: Patience,
+    states: RobotStates,
     command_step: i64,
+    /// A command has been taken in this period.
+    answered: bool,
     missed_commands: i64,
-    mode: RobotMode,
-    fault: Fault,
-    fault_axis: i32,
 }
+
+/// Slower than this an axis stands, rad/s.
+const STANDING_RAD_PER_S: f64 = 2e-3;
 
 impl RobotSim {
     /// The scenario's robot at rest at its start pose, tick 0.
@@ -59,10 +63,12 @@ impl RobotSim {
     pub fn new(scenario: &Scenario) -> Self {
         let robot = &scenario.robot;
         let start = scenario.start_axes();
-        let (mode, fault) = match start {
-            Ok(_) => (RobotMode::Idle, Fault::None),
-            Err(_) => (RobotMode::Fault, Fault::Unreachable),
-        };
+        let patience = patience(scenario);
+        let mut states = RobotStates::new(&patience);
+        if start.is_err() {
+            states.latch(Fault::Unreachable, -1);
+            states.pass(&patience, true);
+        }
         let dynamics = Dynamics::new(scenario);
         let position = start.unwrap_or_else(|_| dynamics.kinematics.home());
         let (drives, link_inertia) = (robot.drives(), dynamics.links.axis_inertia());
@@ -89,11 +95,11 @@ impl RobotSim {
             encoder: [position; ENCODER_SAMPLES],
             setpoint: position,
             motor_work_j: 0.0,
+            patience,
+            states,
             command_step: -1,
+            answered: false,
             missed_commands: 0,
-            mode,
-            fault,
-            fault_axis: -1,
         }
     }
 
@@ -127,9 +133,9 @@ impl RobotSim {
             axis_position: self.encoder,
             axis_velocity: self.state.motor_velocity,
             axis_setpoint: self.setpoint,
-            mode: self.mode,
-            fault: self.fault,
-            fault_axis: self.fault_axis,
+            mode: self.states.mode(),
+            fault: self.states.fault(),
+            fault_axis: self.states.fault_axis(),
             command_step: self.command_step,
             missed_commands: self.missed_commands,
             echo: ClockEcho::default(),
@@ -137,15 +143,14 @@ impl RobotSim {
         }
     }
 
-    /// Integrate over the coming tick, with the tool's motion now and the command, if one has come.
-    ///
-    /// A command that can't be executed ([`guard`]) is not executed in part either: the fault latches, and the robot
-    /// follows the last good command's horizon to its end and holds.
+    /// Integrate over the coming tick, with the tool's motion now and the command, if one has come (more than one:
+    /// [`Self::hear`]).
     pub fn advance(&mut self, tool: &ToolMotion, command: Option<&Command>) {
-        match command {
-            Some(command) => self.take(command),
-            None if self.command_due() => self.missed_commands += 1,
-            None => {}
+        if let Some(command) = command {
+            self.hear(command);
+        }
+        if self.command_due() && !std::mem::take(&mut self.answered) {
+            self.missed_commands += 1;
         }
         self.setpoint = self.path.at(self.tick);
         let torque = Axes::from_fn(|axis, _| {
@@ -172,30 +177,63 @@ impl RobotSim {
         self.link = self
             .dynamics
             .link_motion(&self.state, &self.posture, &torque, &tool_then);
+        let standing = self.state.motor_velocity.amax() < STANDING_RAD_PER_S;
+        self.states.pass(&self.patience, standing);
         self.tick += 1;
         self.encoder.rotate_right(1);
         self.encoder[0] = self.state.motor_position;
     }
 
-    fn take(&mut self, command: &Command) {
-        if self.mode == RobotMode::Fault || !command.enable {
-            return;
+    /// Take a command; says whether it counts.
+    ///
+    /// One that can't be executed ([`guard`]) is not executed in part either: the fault latches, and the robot follows the
+    /// last good command's horizon to its end and holds. The servo's command filter keeps to the axes' acceleration then
+    /// as always: it is what brakes.
+    pub fn hear(&mut self, command: &Command) -> Answer {
+        let step = command.stamp.step;
+        let heard = Heard {
+            age: self.tick - step,
+            owner: command.stamp.boot_id,
+            enable: command.enable,
+        };
+        let (guard, before) = (&self.guard, self.path.before(step));
+        let answer = self
+            .states
+            .hear(&self.patience, heard, || guard.judge(&before, command));
+        if answer != Answer::Ignored {
+            self.answered = true;
+            self.command_step = step;
         }
-        let judged = self.guard.judge(&self.path.before(self.tick), command);
-        if let Err(Refusal { fault, axis }) = judged {
-            self.mode = RobotMode::Fault;
-            self.fault = fault;
-            self.fault_axis = axis;
-            return;
+        if answer == Answer::Execute {
+            self.path.accept(self.tick, command);
         }
-        self.mode = RobotMode::Following;
-        self.command_step = command.stamp.step;
-        self.path.accept(self.tick, command);
+        answer
+    }
+
+    /// Brake and latch `fault`, which comes from elsewhere.
+    pub fn latch(&mut self, fault: Fault) {
+        self.states.latch(fault, -1);
+    }
+
+    /// Clear a fault; `false`: not while the robot moves, or while somebody asks for motion.
+    pub fn reset(&mut self) -> bool {
+        self.states.reset(&self.patience, true)
     }
 
     fn stamp(&self) -> Stamp {
         Stamp::lockstep(self.tick, self.seed, Role::Robot)
     }
+}
+
+fn patience(scenario: &Scenario) -> Patience {
+    let ticks = |seconds: f64| libm::rint(seconds / TICK_S) as i64;
+    let (robot, timing) = (&scenario.robot, &scenario.timing);
+    Patience::new(
+        timing.command_period_ticks,
+        robot.command_delay_periods,
+        ticks(robot.arming_s),
+        ticks(robot.command_gap_s),
+    )
 }
 
 fn servo_parameters(robot: &Robot, drives: &Drives, axis: usize, link_inertia: f64) -> ServoParameters {

@@ -10,7 +10,7 @@ mod step;
 
 use super::*;
 use nalgebra::Vector3;
-use spatial::ports::HORIZON;
+use spatial::ports::{HORIZON, RobotMode};
 
 /// No tool, and a sensor so soft that the robot does not feel it.
 fn scenario() -> Scenario {
@@ -20,6 +20,7 @@ fn scenario() -> Scenario {
     scenario.sensor.stiffness_nm_per_rad = 1e-6;
     scenario.sensor.damping_ns_per_m = 0.0;
     scenario.sensor.damping_nms_per_rad = 0.0;
+    scenario.robot.arming_s = 0.0;
     scenario
 }
 

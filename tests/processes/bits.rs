@@ -25,6 +25,7 @@ fn assert_same_bits_on_a_bad_network(changes: &[&str], seed: u64) -> Vec<Entry> 
         loss: 0.05,
         duplication: 0.05,
         seed,
+        ..Impairment::default()
     };
     let relay = Relay::start(&ports, impairment).unwrap();
     let said = assert_same_bits(&bench);

@@ -196,6 +196,7 @@ fn lockstep_rates(
         wiring: Wiring::shared(&port.device_url(), &port.simulation_url()),
         run_id: i64::from(std::process::id()),
         directory: directory.to_owned(),
+        flags: Default::default(),
     };
     let (mut rates, mut start_up_s) = (Vec::new(), 0.0);
     for _ in 0..args.repetitions {

@@ -182,6 +182,7 @@ fn experiment<T>(
             wiring: Wiring::shared(&port.device_url(), &port.simulation_url()),
             run_id: i64::from(std::process::id()),
             directory: place.path().to_owned(),
+            flags: Default::default(),
         };
         let progress = progress("{msg:10} {bar:40} {pos}/{len} ticks", run.scenario.timing.ticks())
             .with_message(run.law.clone());

@@ -35,7 +35,8 @@ impl Node {
             .arg("--record")
             .arg(plan.record(role))
             .args(["--with-parent", &std::process::id().to_string()])
-            .args(plan.overrides.iter().flat_map(|change| ["--set", change]));
+            .args(plan.overrides.iter().flat_map(|change| ["--set", change]))
+            .args(&plan.flags[index]);
         if std::env::var_os("RUST_LOG").is_none() {
             command.env("RUST_LOG", "warn");
         }

@@ -9,6 +9,8 @@ pub enum TimingMode {
     /// Simulated time, as fast as the machines go, deterministic.
     #[default]
     Lockstep,
+    /// The wall clock: robot-sim paces the devices.
+    Realtime,
 }
 
 /// From axis angles to the pose of s.
@@ -167,9 +169,6 @@ pub(super) trait Choice: Debug {
     /// The words to choose from.
     fn words(&self) -> &'static [&'static str];
 
-    /// Words that will mean something in a later version.
-    fn planned(&self) -> &'static [&'static str];
-
     /// The word for this value; empty if a program set a value that no word stands for yet.
     fn word(&self) -> &'static str;
 
@@ -183,14 +182,10 @@ pub(super) fn word(choice: &impl Choice) -> &'static str {
 }
 
 macro_rules! choice {
-    ($type:ident: $($word:literal => $variant:ident),+ $(; planned: $($planned:literal),+)?) => {
+    ($type:ident: $($word:literal => $variant:ident),+) => {
         impl Choice for $type {
             fn words(&self) -> &'static [&'static str] {
                 &[$($word),+]
-            }
-
-            fn planned(&self) -> &'static [&'static str] {
-                &[$($($planned),+)?]
             }
 
             fn word(&self) -> &'static str {
@@ -209,7 +204,7 @@ macro_rules! choice {
     };
 }
 
-choice!(TimingMode: "lockstep" => Lockstep; planned: "realtime");
+choice!(TimingMode: "lockstep" => Lockstep, "realtime" => Realtime);
 choice!(Kinematics: "gantry" => Gantry, "arm" => Arm);
 choice!(Gears: "rigid" => Rigid, "elastic" => Elastic);
 choice!(Pairing: "sampling" => Sampling, "arrival" => Arrival);

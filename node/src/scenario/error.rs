@@ -83,12 +83,6 @@ pub(super) enum Refusal {
         allowed: String,
         near: Near,
     },
-    #[error("{path} = {word:?} is not available yet; choose {allowed}")]
-    Planned {
-        path: String,
-        word: String,
-        allowed: String,
-    },
     #[error("{0}")]
     Conflict(String),
 }

@@ -88,6 +88,11 @@ schema::section! {
         gear_damping: f64 = 0.02, in 0.0..=2.0;
         /// Periods T from a command to its effect, n_d.
         command_delay_periods: i64 = 2, in 0..=10;
+        /// Good commands have to come for so long before one is executed; 0: the first one is.
+        arming_s: f64 = 0.2, in 0.0..=10.0;
+        /// Without a new command the robot brakes so long after the end of the newest one's horizon, and latches a fault.
+        /// On a busy virtual machine more than 0.2 s.
+        command_gap_s: f64 = 0.02, in 0.001..=10.0;
         /// Natural frequency of the command filter.
         filter_frequency_hz: f64 = 15.0, in 0.1..=200.0;
         /// Damping ratio of the command filter.

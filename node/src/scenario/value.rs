@@ -129,13 +129,6 @@ fn choose(place: &mut dyn Choice, path: &str, value: &DeValue<'_>) -> Result<(),
         return Ok(());
     }
     let path = path.to_owned();
-    if place.planned().contains(&word) {
-        return Err(Refusal::Planned {
-            path,
-            word: word.to_owned(),
-            allowed,
-        });
-    }
     let near = Near::to(word, words);
     Err(Refusal::UnknownWord {
         path,

@@ -9,6 +9,7 @@ fn end(kinematics: Kinematics, gears: Gears, step: f64) -> Vector3<f64> {
     scenario.robot.kinematics = kinematics;
     scenario.robot.gears = gears;
     scenario.robot.integration_step_s = step;
+    scenario.robot.arming_s = 0.0;
     let mut robot = RobotSim::new(&scenario);
     let start = robot.state().axis_position[0];
     let held = tool(&robot);

@@ -1,0 +1,162 @@
+//! What every process does in real time, beside what it does in lockstep: its own clock, its peers, its rights.
+
+use super::Shell;
+use crate::clock::{self, Clock, HostClock, SkewedClock};
+use crate::peers::{News, Peers, STATUS_PERIOD};
+use crate::problem::Problem;
+use crate::rights::Wanted;
+use lcmtypes::Lcm;
+use rustix::rand::{GetRandomFlags, getrandom};
+use spatial::ports::{ClockEcho, Command, NodeStatus, Role, Stamp};
+use std::time::Instant;
+
+/// The flags of a node that matter in real time alone.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct RealTimeFlags {
+    #[command(flatten)]
+    wanted: Wanted,
+    /// Real time, for tests: how far this node's clock is ahead, s
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        value_name = "S",
+        allow_negative_numbers = true,
+        hide = true
+    )]
+    clock_offset_s: f64,
+    /// Real time, for tests: how much faster this node's clock goes, 1e-6
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        value_name = "PPM",
+        allow_negative_numbers = true,
+        hide = true
+    )]
+    clock_drift_ppm: f64,
+}
+
+/// A process in real time.
+pub struct RealTime {
+    /// What it has in lockstep, too.
+    pub shell: Shell,
+    clock: SkewedClock<HostClock>,
+    peers: Peers,
+    boot_id: i64,
+    next_status: Instant,
+    echo: ClockEcho,
+}
+
+impl RealTime {
+    /// `shell` in real time: an identity of its own, and the rights of the calling thread.
+    pub fn start(shell: Shell, flags: &RealTimeFlags) -> anyhow::Result<Self> {
+        let mut shell = shell;
+        let boot_id = random()?;
+        let started = clock::now();
+        shell.health.be(boot_id, flags.wanted.ask());
+        let peers = Peers::new(shell.role, boot_id, *shell.health.hello(), started);
+        let clock = SkewedClock {
+            clock: HostClock::start(),
+            since: started,
+            offset_s: flags.clock_offset_s,
+            drift_ppm: flags.clock_drift_ppm,
+        };
+        Ok(Self {
+            shell,
+            clock,
+            peers,
+            boot_id,
+            next_status: started,
+            echo: ClockEcho::default(),
+        })
+    }
+
+    /// Whom the node works with.
+    pub fn peers(&self) -> &Peers {
+        &self.peers
+    }
+
+    /// `instant` on the node's own clock, us.
+    pub fn utime(&self, instant: Instant) -> i64 {
+        self.clock.utime(instant)
+    }
+
+    /// The head of a message of tick `step` that tells of `instant`.
+    pub fn stamp(&self, step: i64, instant: Instant) -> Stamp {
+        Stamp {
+            step,
+            utime: self.utime(instant),
+            boot_id: self.boot_id,
+        }
+    }
+
+    /// When the next status is due.
+    pub fn status_due(&self) -> Instant {
+        self.next_status
+    }
+
+    /// Publish the status if it is due.
+    pub fn keep_status(&mut self, device: &Lcm, links: &[&Lcm]) {
+        let now = clock::now();
+        if now < self.next_status && !self.shell.untold {
+            return;
+        }
+        self.shell.untold = false;
+        self.next_status = now + STATUS_PERIOD;
+        self.shell.count(links);
+        let utime = self.utime(now);
+        self.shell.health.set_utime(utime);
+        self.shell.publish_status(device);
+    }
+
+    /// A status has been heard; the role of a peer that is worked with from now on.
+    pub fn hear(&mut self, status: &NodeStatus) -> Option<Role> {
+        match self.peers.hear(status, clock::now()) {
+            News::Known => None,
+            News::Joined(role) => {
+                self.shell.health.forgive_mismatch();
+                tracing::info!("works with {} from now on", super::role_name(role));
+                Some(role)
+            }
+            News::Refused(mismatch) => {
+                self.shell.report(&Problem::Refused(mismatch));
+                None
+            }
+            News::Taken(boot_id) => {
+                let own = self.boot_id;
+                self.shell.report(&Problem::Taken { own, other: boot_id });
+                None
+            }
+        }
+    }
+
+    /// Whether the process `boot_id` is worked with as `role`.
+    pub fn works_with(&self, role: Role, boot_id: i64) -> bool {
+        self.peers.is(role, boot_id)
+    }
+
+    /// Remember the stamps of a command that arrived at `received_at`.
+    pub fn take_echo(&mut self, command: &Command, received_at: Instant) {
+        if self.works_with(Role::Controller, command.stamp.boot_id) {
+            self.echo.command_send_utime = command.send_utime;
+            self.echo.receive_utime = self.utime(received_at);
+        }
+    }
+
+    /// What a message that is sent now tells the controller of its own clock.
+    pub fn echo(&self) -> ClockEcho {
+        if self.echo.command_send_utime == 0 {
+            return ClockEcho::default();
+        }
+        ClockEcho {
+            send_utime: self.utime(clock::now()),
+            ..self.echo
+        }
+    }
+}
+
+/// A boot id: positive and at random.
+fn random() -> anyhow::Result<i64> {
+    let mut bytes = [0; 8];
+    getrandom(&mut bytes, GetRandomFlags::empty())?;
+    Ok((i64::from_le_bytes(bytes) & i64::MAX).max(1))
+}

@@ -1,0 +1,212 @@
+//! Real time: the robot paces the world by its own clock and never waits for a command.
+//!
+//! At tick n it publishes `SIM_LINK_MOTION`, and `ROBOT_STATE` when n is a multiple of T, and integrates once sensor-sim
+//! has answered with `SIM_TOOL_MOTION`. Commands are heard whenever they come. Where the plant can't keep up, its time
+//! slips: what was late stays late, and nothing is caught up.
+
+use crossbeam::channel::RecvError;
+use crossbeam::select;
+use lcmtypes::{Encoded, Lcm, Received, Subscription};
+use node::clock;
+use node::lockstep::Retransmission;
+use node::problem::Problem;
+use node::robot_states::Answer;
+use node::shell::{Flags, RealTime, Shell};
+use robot_sim::RobotSim;
+use spatial::ports::{Command, Fault, NodeStatus, Role, Task, TaskAction, ToolMotion};
+use std::time::{Duration, Instant};
+
+/// One tick.
+const TICK: Duration = Duration::from_micros(spatial::TICK_US as u64);
+/// The world may stand still for so long before that is a fault.
+const WORLD_SILENT: Duration = Duration::from_millis(200);
+/// So many messages are heard by a node that is late.
+const MOST_WHEN_LATE: usize = 64;
+
+struct Robot {
+    node: RealTime,
+    robot: RobotSim,
+    device: Lcm,
+    world: Lcm,
+    tools: Subscription<ToolMotion>,
+    commands: Subscription<Command>,
+    tasks: Subscription<Task>,
+    peers: Subscription<NodeStatus>,
+    timer: Retransmission,
+    /// The newest motion of the tool.
+    tool: Option<ToolMotion>,
+}
+
+/// Why the work ends before the scenario does.
+enum Interrupted {
+    Stop,
+    LinkEnded,
+}
+
+impl From<RecvError> for Interrupted {
+    fn from(_: RecvError) -> Self {
+        Self::LinkEnded
+    }
+}
+
+/// Run the node until a signal ends it.
+pub(super) fn run(flags: &Flags, node: RealTime) -> anyhow::Result<Shell> {
+    let (mut device, mut world) = (flags.device_link()?, flags.simulation_link()?);
+    let tools = world.subscribe(16);
+    let (commands, tasks, peers) = (device.subscribe(64), device.subscribe(16), device.subscribe(64));
+    let mut robot = Robot {
+        robot: RobotSim::new(&node.shell.scenario),
+        node,
+        device: device.start()?,
+        world: world.start()?,
+        tools,
+        commands,
+        tasks,
+        peers,
+        timer: Retransmission::default(),
+        tool: None,
+    };
+    if let Err(Interrupted::LinkEnded) = robot.simulate() {
+        robot.node.shell.report(&Problem::LinkEnded);
+        // Until a signal comes.
+        let _ = robot.wait_for(|_| false, None);
+    }
+    Ok(robot.node.shell)
+}
+
+impl Robot {
+    /// Tick by tick until a signal comes: the scenario's end is told, and does not end the robot.
+    fn simulate(&mut self) -> Result<(), Interrupted> {
+        self.wait_for(|robot| robot.node.peers().boot_id(Role::Sensor).is_some(), None)?;
+        let (mut start, mut slip) = (clock::now(), Duration::ZERO);
+        let last = self.node.shell.scenario.timing.ticks() - 1;
+        for tick in 0.. {
+            let due = start + TICK * u32::try_from(tick).unwrap_or(u32::MAX);
+            self.wait_for(|_| false, Some(due))?;
+            let late = clock::now().saturating_duration_since(due);
+            if late > TICK {
+                (start, slip) = (start + late, slip + late);
+            }
+            let due = due.max(start + TICK * u32::try_from(tick).unwrap_or(u32::MAX));
+            self.node.shell.health.wake(late, slip.as_secs_f64());
+            let mut link_motion = self.robot.link_motion();
+            link_motion.stamp = self.node.stamp(tick, due);
+            let unanswered = self.node.shell.publish(&self.world, &link_motion);
+            if self.robot.command_due() {
+                let mut state = self.robot.state();
+                state.stamp = self.node.stamp(tick, due);
+                state.echo = self.node.echo();
+                self.node.shell.publish(&self.device, &state);
+            }
+            let tool = self.tool_at(tick, unanswered.as_ref())?;
+            self.robot.advance(&tool, None);
+            self.tell_fault();
+            let took = clock::now().saturating_duration_since(due);
+            self.node.shell.health.reach(tick, took);
+            self.node.shell.health.link().missed = self.robot.state().missed_commands;
+            if tick == last {
+                tracing::info!("the scenario is over; the robot goes on until SIGTERM or Ctrl-C");
+                self.node.shell.health.finish();
+            }
+        }
+        Ok(())
+    }
+
+    /// The tool's motion at `tick`, for which `message` asks; it is repeated until the sensor's side answers.
+    fn tool_at(&mut self, tick: i64, message: Option<&Encoded>) -> Result<ToolMotion, Interrupted> {
+        let asked = clock::now();
+        let (mut repeats, mut frozen) = (0, false);
+        let mut deadline = asked + self.timer.wait(repeats);
+        loop {
+            let answered = |robot: &Self| robot.tool.is_some_and(|tool| tool.stamp.step == tick);
+            self.wait_for(answered, Some(deadline))?;
+            if let Some(tool) = self.tool.filter(|tool| tool.stamp.step == tick) {
+                self.timer.observe(clock::now() - asked);
+                return Ok(tool);
+            }
+            if !frozen && clock::now() >= asked + WORLD_SILENT {
+                frozen = true;
+                self.robot.latch(Fault::SimLost);
+                self.node.shell.report(&Problem::WorldSilent {
+                    tick,
+                    seconds: WORLD_SILENT.as_secs_f64(),
+                });
+            }
+            if let Some(message) = message {
+                self.node.shell.repeat(&self.world, message);
+            }
+            repeats += 1;
+            deadline = clock::now() + self.timer.wait(repeats);
+        }
+    }
+
+    /// Hear what comes until `done` or `deadline`.
+    fn wait_for(
+        &mut self,
+        done: impl Fn(&Self) -> bool,
+        deadline: Option<Instant>,
+    ) -> Result<(), Interrupted> {
+        // What has come is heard even if the node is late, but no flood holds it up.
+        let mut late = 0;
+        while late < MOST_WHEN_LATE {
+            self.node.keep_status(&self.device, &[&self.device, &self.world]);
+            if done(self) {
+                break;
+            }
+            let now = clock::now();
+            let past = deadline.is_some_and(|deadline| now >= deadline);
+            late += usize::from(past);
+            let wake = self.node.status_due();
+            let wake = deadline.map_or(wake, |deadline| deadline.min(wake));
+            select! {
+                recv(self.tools.receiver()) -> received => self.take_tool(&received?.message),
+                recv(self.commands.receiver()) -> received => {
+                    let Received { message, received_at } = received?;
+                    self.take_command(&message, received_at);
+                }
+                recv(self.tasks.receiver()) -> received => self.take_task(&received?.message),
+                recv(self.peers.receiver()) -> received => {
+                    self.node.hear(&received?.message);
+                }
+                recv(self.node.shell.stop) -> _ => return Err(Interrupted::Stop),
+                default(wake.saturating_duration_since(now)) => if past {
+                    break;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn take_tool(&mut self, tool: &ToolMotion) {
+        if self.node.works_with(Role::Sensor, tool.stamp.boot_id) {
+            self.tool = Some(*tool);
+        }
+    }
+
+    fn take_command(&mut self, command: &Command, received_at: Instant) {
+        if !self.node.works_with(Role::Controller, command.stamp.boot_id) {
+            self.node.shell.health.link().refused += 1;
+            return;
+        }
+        self.node.take_echo(command, received_at);
+        if self.robot.hear(command) == Answer::Ignored {
+            self.node.shell.health.link().refused += 1;
+        }
+    }
+
+    /// Say that the robot has latched a fault.
+    fn tell_fault(&mut self) {
+        let state = self.robot.state();
+        if state.fault != Fault::None && !self.node.shell.health.faulty() {
+            let (fault, axis) = (state.fault, state.fault_axis);
+            self.node.shell.report(&Problem::RobotFault { fault, axis });
+        }
+    }
+
+    fn take_task(&mut self, task: &Task) {
+        if task.action == TaskAction::Reset && self.robot.reset() {
+            tracing::info!("the fault is cleared");
+            self.node.shell.health.forgive();
+        }
+    }
+}
