@@ -1,8 +1,10 @@
 //! What the multi-process tests need.
 
 mod cell;
+pub mod faults;
 mod programs;
 mod relay;
+pub mod site;
 
 pub use cell::{Bench, processes_naming, signal, wait_for_end};
 pub use programs::{programs, touchdown};

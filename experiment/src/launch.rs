@@ -122,6 +122,21 @@ impl Cell {
         Ok(cell)
     }
 
+    /// Start one more node in `role`: after the end of the one before, or beside it.
+    pub fn start_another(&mut self, plan: &Plan, role: Role) -> Result<(), LaunchError> {
+        self.nodes.push(Node::start(plan, role)?);
+        Ok(())
+    }
+
+    /// Kill the node in `role` that was started last, and forget it.
+    pub fn kill(&mut self, role: Role) {
+        if let Some(i) = self.nodes.iter().rposition(|node| node.role == role) {
+            let mut node = self.nodes.remove(i);
+            node.signal(rustix::process::Signal::KILL);
+            node.wait_until(clock::now() + PATIENCE);
+        }
+    }
+
     /// Process id of the node in `role`.
     pub fn process_id(&self, role: Role) -> Option<u32> {
         self.nodes

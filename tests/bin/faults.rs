@@ -1,0 +1,36 @@
+//! The fault matrix as a table: `make faults`.
+
+use std::process::ExitCode;
+use tests::Impairment;
+use tests::faults::{Injury, Moment, inflict};
+
+fn main() -> ExitCode {
+    let only = std::env::args().nth(1).unwrap_or_default();
+    println!(
+        "{:38} {:9} {:24} {:24} {:>12} {:>14} {:>6}",
+        "injury", "at", "robot", "controller", "stop ms", "force N", "again"
+    );
+    for injury in Injury::all() {
+        for moment in Moment::ALL {
+            if !format!("{injury} {moment:?}").contains(&only) {
+                continue;
+            }
+            match inflict("paper", &[], Impairment::default(), injury, moment) {
+                Ok(outcome) => println!(
+                    "{:38} {:9} {:24} {:24} {:>12} {:>14} {:>6}",
+                    injury.to_string(),
+                    format!("{moment:?}"),
+                    format!("{:?}, {:?}", outcome.robot.0, outcome.robot.1),
+                    format!("{:?}", outcome.controller),
+                    outcome
+                        .stop_ticks
+                        .map_or("-".to_owned(), |[took, may]| format!("{took} <= {may}")),
+                    format!("{:.0} ({:.0})", outcome.force_n[0], outcome.force_n[1]),
+                    if outcome.again { "yes" } else { "no" }
+                ),
+                Err(error) => println!("{injury:38} {moment:?}: {error}"),
+            }
+        }
+    }
+    ExitCode::SUCCESS
+}

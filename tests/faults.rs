@@ -1,0 +1,202 @@
+//! What may go wrong with a cell in real time, when, and what came of it: the fault matrix.
+
+use crate::relay::Impairment;
+use crate::site::{LONG, Site};
+use rustix::process::Signal;
+use spatial::ports::{ControllerPhase, Fault, HORIZON, RobotMode, Role, TaskAction};
+use std::error::Error;
+use std::fmt;
+use std::time::Duration;
+
+/// What goes wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Injury {
+    /// A process is killed.
+    Kill(Role),
+    /// A process stands still for so many ms.
+    Freeze(Role, u64),
+    /// A process is cut off from the others' device channels for so many ms.
+    Cut(Role, u64),
+    /// Another controller is started beside the one that works.
+    SecondController,
+    /// The controller is replaced by one with another scenario.
+    Mismatch,
+}
+
+/// When it goes wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Moment {
+    /// On the way down, at full speed.
+    Approach,
+    /// Right after the contact.
+    Contact,
+    /// Pressing, once the force has settled.
+    Settled,
+}
+
+/// What came of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Outcome {
+    /// State and fault of the robot.
+    pub robot: (RobotMode, Fault),
+    /// Fault of the controller.
+    pub controller: Fault,
+    /// Ticks from the end of the last good command's horizon to the standstill, and how many there may be; `None`: the
+    /// robot has no fault.
+    pub stop_ticks: Option<[i64; 2]>,
+    /// Largest contact force afterwards, and before, N.
+    pub force_n: [f64; 2],
+    /// Largest speed of an axis afterwards, and its limit, rad/s.
+    pub speed_rad_per_s: [f64; 2],
+    /// The experiment works again after the injured node's restart, a reset and a start.
+    pub again: bool,
+}
+
+/// Ticks that braking takes at the approach's speed: the command filter comes to rest.
+const BRAKING_TICKS: i64 = 150;
+
+impl Injury {
+    /// Every one.
+    pub fn all() -> Vec<Self> {
+        let roles = [Role::Robot, Role::Sensor, Role::Controller];
+        let times = [50, 200, 1000];
+        let mut all: Vec<_> = roles.map(Self::Kill).to_vec();
+        all.extend(
+            roles
+                .iter()
+                .flat_map(|&role| times.map(|ms| Self::Freeze(role, ms))),
+        );
+        all.extend(roles.iter().flat_map(|&role| times.map(|ms| Self::Cut(role, ms))));
+        all.extend([Self::SecondController, Self::Mismatch]);
+        all
+    }
+
+    fn inflict(self, site: &mut Site) -> Result<(), Box<dyn Error>> {
+        match self {
+            Self::Kill(role) => site.cell.kill(role),
+            Self::Freeze(role, ms) => {
+                site.signal(role, Signal::STOP);
+                site.listen(Duration::from_millis(ms));
+                site.signal(role, Signal::CONT);
+            }
+            Self::Cut(role, ms) => {
+                site.cut(role, true);
+                site.listen(Duration::from_millis(ms));
+                site.cut(role, false);
+            }
+            Self::SecondController => site.cell.start_another(&site.bench.plan, Role::Controller)?,
+            Self::Mismatch => {
+                site.cell.kill(Role::Controller);
+                let mut plan = site.bench.plan.clone();
+                plan.overrides.push("task.desired_force_n=11".to_owned());
+                site.cell.start_another(&plan, Role::Controller)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What a person does about it.
+    fn mend(self, site: &mut Site) -> Result<(), Box<dyn Error>> {
+        match self {
+            Self::Kill(role) => site.cell.start_another(&site.bench.plan, role)?,
+            Self::SecondController => site.cell.kill(Role::Controller),
+            Self::Mismatch => {
+                site.cell.kill(Role::Controller);
+                site.cell.start_another(&site.bench.plan, Role::Controller)?;
+            }
+            Self::Freeze(..) | Self::Cut(..) => {}
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Injury {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = node::greeting::role_name;
+        match *self {
+            Self::Kill(role) => write!(f, "{} killed", name(role)),
+            Self::Freeze(role, ms) => write!(f, "{} frozen for {ms} ms", name(role)),
+            Self::Cut(role, ms) => write!(f, "{} cut off for {ms} ms", name(role)),
+            Self::SecondController => write!(f, "a second controller"),
+            Self::Mismatch => write!(f, "a controller with another scenario"),
+        }
+    }
+}
+
+impl Moment {
+    /// Every one.
+    pub const ALL: [Self; 3] = [Self::Approach, Self::Contact, Self::Settled];
+
+    fn wait(self, site: &mut Site) -> bool {
+        site.until(LONG, |heard| match self {
+            Self::Approach => {
+                heard.phase() == Some(ControllerPhase::Approach)
+                    && heard.truth.is_some_and(|truth| truth.tcp_velocity.z < -0.015)
+            }
+            Self::Contact => heard.phase() == Some(ControllerPhase::Contact),
+            Self::Settled => heard.phase() == Some(ControllerPhase::Settled),
+        })
+    }
+}
+
+/// Inflict `injury` at `moment` on `scenario` with `overrides` on a network with `impairment`.
+pub fn inflict(
+    scenario: &str,
+    overrides: &[&str],
+    impairment: Impairment,
+    injury: Injury,
+    moment: Moment,
+) -> Result<Outcome, Box<dyn Error>> {
+    let mut site = Site::start(scenario, overrides, impairment, [&[], &[], &[]])?;
+    if !moment.wait(&mut site) {
+        return Err(format!("{moment:?} is not reached: {:?}", site.heard.phase()).into());
+    }
+    let before_n = site.heard.peak_n;
+    site.heard.mark();
+    injury.inflict(&mut site)?;
+    site.listen(Duration::from_millis(800));
+    let heard = &site.heard;
+    let robot = heard.robot.ok_or("no state has been heard")?;
+    let (drives, timing) = (site.bench.scenario.robot.drives(), &site.bench.scenario.timing);
+    let period = timing.command_period_ticks;
+    let delay = site.bench.scenario.robot.command_delay_periods;
+    let gap = libm::rint(1e3 * site.bench.scenario.robot.command_gap_s) as i64;
+    let stop = |[command, stopped]: [i64; 2]| {
+        let horizon = command + (delay + HORIZON as i64) * period;
+        [stopped - horizon, gap + 2 * period + BRAKING_TICKS]
+    };
+    let mut outcome = Outcome {
+        robot: (robot.mode, robot.fault),
+        controller: heard.controller.map_or(Fault::None, |status| status.fault),
+        stop_ticks: heard.stopped.map(stop),
+        force_n: [heard.peak_n, before_n],
+        speed_rad_per_s: [heard.speed_rad_per_s, drives.velocity_limit_rad_per_s.amax()],
+        again: false,
+    };
+    injury.mend(&mut site)?;
+    outcome.again = again(&mut site);
+    Ok(outcome)
+}
+
+/// Reset, start, and whether the force settles.
+fn again(site: &mut Site) -> bool {
+    let works = |heard: &crate::site::Heard| {
+        heard
+            .controller
+            .is_some_and(|status| status.fault == Fault::None && status.phase != ControllerPhase::Fault)
+            && heard.robot.is_some_and(|robot| {
+                robot.fault == Fault::None && matches!(robot.mode, RobotMode::Following | RobotMode::Bridging)
+            })
+    };
+    let goes = |heard: &crate::site::Heard| {
+        matches!(
+            heard.phase(),
+            Some(ControllerPhase::Approach | ControllerPhase::Contact | ControllerPhase::Settled)
+        )
+    };
+    site.heard.controller = None;
+    site.heard.robot = None;
+    site.ask(TaskAction::Reset, works)
+        && (site.until(Duration::from_millis(300), goes) || site.ask(TaskAction::Start, goes))
+        && site.until(LONG, |heard| heard.phase() == Some(ControllerPhase::Settled))
+}

@@ -1,0 +1,196 @@
+//! A cell in real time behind a relay, and what is heard of it.
+
+use crate::cell::{Bench, signal};
+use crate::relay::{Impairment, Relay};
+use crossbeam::select;
+use experiment::launch::Cell;
+use lcmtypes::{Lcm, LcmBuilder, Subscription};
+use node::clock;
+use rustix::process::Signal;
+use spatial::ports::{
+    Command, ControllerPhase, ControllerStatus, NodeStatus, RobotMode, RobotState, Role, Stamp, Task,
+    TaskAction, Truth,
+};
+use std::error::Error;
+use std::time::Duration;
+
+/// Whoever asks by `TASK`.
+const ASKER: i64 = 4242;
+/// How long something may take that has to come.
+pub const LONG: Duration = Duration::from_secs(20);
+
+/// Three programs in real time, each with ports of its own that a relay joins.
+pub struct Site {
+    /// Where it runs.
+    pub bench: Bench,
+    /// What joins the device channels; the simulated world has one of its own that impairs nothing.
+    pub relay: Relay,
+    /// The programs.
+    pub cell: Cell,
+    /// What is heard.
+    pub heard: Heard,
+    /// Ports of the device channels: by role, then the watching one's.
+    pub ports: Vec<u16>,
+    device: Lcm,
+    subscriptions: Subscriptions,
+    asked: i64,
+    _world: Lcm,
+    _world_relay: Relay,
+}
+
+struct Subscriptions {
+    states: Subscription<RobotState>,
+    commands: Subscription<Command>,
+    controllers: Subscription<ControllerStatus>,
+    nodes: Subscription<NodeStatus>,
+    truths: Subscription<Truth>,
+}
+
+/// The newest of each, and what has happened since [`Heard::mark`].
+#[derive(Default)]
+pub struct Heard {
+    /// `ROBOT_STATE`.
+    pub robot: Option<RobotState>,
+    /// `ROBOT_COMMAND`.
+    pub command: Option<Command>,
+    /// `CONTROLLER_STATUS`.
+    pub controller: Option<ControllerStatus>,
+    /// `NODE_STATUS` by role.
+    pub nodes: [Option<NodeStatus>; 3],
+    /// `SIM_TRUTH`.
+    pub truth: Option<Truth>,
+    /// Largest contact force, N.
+    pub peak_n: f64,
+    /// Largest speed of an axis, rad/s.
+    pub speed_rad_per_s: f64,
+    /// Tick of the last command that the robot took, and tick at which it was first seen at rest with a fault.
+    pub stopped: Option<[i64; 2]>,
+}
+
+impl Heard {
+    /// Forget what has happened until now.
+    pub fn mark(&mut self) {
+        (self.peak_n, self.speed_rad_per_s, self.stopped) = (0.0, 0.0, None);
+    }
+
+    /// Phase of the controller.
+    pub fn phase(&self) -> Option<ControllerPhase> {
+        self.controller.map(|status| status.phase)
+    }
+
+    fn take_state(&mut self, state: &RobotState) {
+        self.speed_rad_per_s = self.speed_rad_per_s.max(state.axis_velocity.amax());
+        if state.mode == RobotMode::Fault && self.stopped.is_none() {
+            self.stopped = Some([state.command_step, state.stamp.step]);
+        }
+        self.robot = Some(*state);
+    }
+
+    fn take_truth(&mut self, truth: &Truth) {
+        self.peak_n = self.peak_n.max(truth.contact_force_peak_n);
+        self.truth = Some(*truth);
+    }
+}
+
+impl Site {
+    /// The built-in scenario `name` with `overrides`, its device channels impaired; `flags` by role.
+    pub fn start(
+        name: &str,
+        overrides: &[&str],
+        impairment: Impairment,
+        flags: [&[&str]; 3],
+    ) -> Result<Self, Box<dyn Error>> {
+        let always = ["timing.mode=realtime", "timing.duration_s=3600"];
+        let all: Vec<_> = always.iter().chain(overrides).copied().collect();
+        let mut bench = Bench::of(name, &all)?;
+        let [device, world] = bench.separate()?;
+        bench.plan.flags = flags.map(|flags| flags.iter().map(|&flag| flag.to_owned()).collect());
+        let relay = Relay::start(std::slice::from_ref(&device), impairment)?;
+        let world_relay = Relay::start(&[world], Impairment::default())?;
+        let mut link = LcmBuilder::open(&bench.plan.wiring.watch)?;
+        let mut sim = LcmBuilder::open(&bench.plan.wiring.world[Role::Sensor as usize])?;
+        let subscriptions = Subscriptions {
+            states: link.subscribe(1024),
+            commands: link.subscribe(1024),
+            controllers: link.subscribe(1024),
+            nodes: link.subscribe(256),
+            truths: sim.subscribe(8192),
+        };
+        Ok(Self {
+            device: link.start()?,
+            _world: sim.start()?,
+            cell: Cell::start(&bench.plan)?,
+            bench,
+            relay,
+            _world_relay: world_relay,
+            heard: Heard::default(),
+            ports: device,
+            subscriptions,
+            asked: 0,
+        })
+    }
+
+    /// Listen until `done`; `false`: not within `limit`.
+    pub fn until(&mut self, limit: Duration, done: impl Fn(&Heard) -> bool) -> bool {
+        let give_up = clock::now() + limit;
+        while !done(&self.heard) {
+            let left = give_up.saturating_duration_since(clock::now());
+            if left.is_zero() {
+                return false;
+            }
+            let (heard, from) = (&mut self.heard, &self.subscriptions);
+            select! {
+                recv(from.states.receiver()) -> it => if let Ok(it) = it { heard.take_state(&it.message) },
+                recv(from.commands.receiver()) -> it => heard.command = it.ok().map(|it| it.message),
+                recv(from.controllers.receiver()) -> it => heard.controller = it.ok().map(|it| it.message),
+                recv(from.truths.receiver()) -> it => if let Ok(it) = it { heard.take_truth(&it.message) },
+                recv(from.nodes.receiver()) -> it => if let Ok(it) = it {
+                    heard.nodes[it.message.role as usize] = Some(it.message);
+                },
+                default(left) => {}
+            }
+        }
+        true
+    }
+
+    /// Listen for `time`.
+    pub fn listen(&mut self, time: Duration) {
+        self.until(time, |_| false);
+    }
+
+    /// Ask by `TASK`, again and again until `done`; `false`: not within [`LONG`].
+    pub fn ask(&mut self, action: TaskAction, done: impl Fn(&Heard) -> bool) -> bool {
+        (0..LONG.as_millis() / 100).any(|_| {
+            self.asked += 1;
+            let task = Task {
+                stamp: Stamp {
+                    step: self.asked,
+                    utime: 0,
+                    boot_id: ASKER,
+                },
+                action,
+                ..Task::default()
+            };
+            // A full buffer is one more loss.
+            let _ = self.device.publish(&task);
+            self.until(Duration::from_millis(100), &done)
+        })
+    }
+
+    /// The link that is listened on, to send on it.
+    pub fn link(&self) -> &Lcm {
+        &self.device
+    }
+
+    /// Send `what` to the node in `role`.
+    pub fn signal(&self, role: Role, what: Signal) {
+        if let Some(id) = self.cell.process_id(role) {
+            signal(id, what);
+        }
+    }
+
+    /// Cut the node in `role` off from the others' device channels, or join it again.
+    pub fn cut(&self, role: Role, off: bool) {
+        self.relay.cut(self.ports[role as usize], off);
+    }
+}
