@@ -29,6 +29,8 @@ fn allocated(scenario: &Scenario) -> ([AllocationInfo; 3], bool) {
             answer =
                 state.map(|state| controller.cycle(&state, &sensed.deflections, sensed.object_pose.as_ref()));
         });
+        // Not part of the cycle.
+        controller.assess();
         let command = answer.as_ref().map(|answer| &answer.command);
         sums[0] += measure(|| robot.advance(&sensed.tool_motion, command));
         touched |= sensed.truth.first_contact_time_s > 0.0;
