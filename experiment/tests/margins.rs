@@ -232,3 +232,16 @@ fn a_run_that_is_only_measured_assesses_nothing() {
         );
     });
 }
+
+/// With the tcp straight below the sensor one mode alone is seen; the others, of which one is the contact's own, must not
+/// spoil the regulator of `elastic`.
+#[test]
+fn the_law_behind_elastic_gears_regulates_without_a_lever() {
+    for name in ["lever_0", "insert"] {
+        let found = published(name, &["controller.law=elastic"]);
+        assert!(
+            found.concern().is_none() && found.gain_margin > 4.0,
+            "{name}: {found:?}"
+        );
+    }
+}
