@@ -48,8 +48,9 @@ pub struct Outcome {
     pub force_n: [f64; 2],
     /// Largest speed of an axis afterwards, and its limit, rad/s.
     pub speed_rad_per_s: [f64; 2],
-    /// The experiment works again after the injured node's restart, a reset and a start.
-    pub again: bool,
+    /// Contact force once the experiment has been made again, after the injured node's restart, a reset and a start, N;
+    /// `None`: it does not work.
+    pub again_n: Option<f64>,
 }
 
 /// Ticks that braking takes at the approach's speed: the command filter comes to rest.
@@ -171,15 +172,15 @@ pub fn inflict(
         stop_ticks: heard.stopped.map(stop),
         force_n: [heard.peak_n, before_n],
         speed_rad_per_s: [heard.speed_rad_per_s, drives.velocity_limit_rad_per_s.amax()],
-        again: false,
+        again_n: None,
     };
     injury.mend(&mut site)?;
-    outcome.again = again(&mut site);
+    outcome.again_n = again(&mut site);
     Ok(outcome)
 }
 
-/// Reset, start, and whether the force settles.
-fn again(site: &mut Site) -> bool {
+/// Reset, start, and the force once it has settled.
+fn again(site: &mut Site) -> Option<f64> {
     let works = |heard: &crate::site::Heard| {
         heard
             .controller
@@ -196,7 +197,10 @@ fn again(site: &mut Site) -> bool {
     };
     site.heard.controller = None;
     site.heard.robot = None;
-    site.ask(TaskAction::Reset, works)
+    let settles = site.ask(TaskAction::Reset, works)
         && (site.until(Duration::from_millis(300), goes) || site.ask(TaskAction::Start, goes))
-        && site.until(LONG, |heard| heard.phase() == Some(ControllerPhase::Settled))
+        && site.until(LONG, |heard| heard.phase() == Some(ControllerPhase::Settled));
+    site.listen(Duration::from_millis(500));
+    let force_n = site.heard.truth.map(|truth| truth.contact_force.z);
+    force_n.filter(|_| settles)
 }

@@ -34,7 +34,7 @@ pub struct Site {
     device: Lcm,
     subscriptions: Subscriptions,
     asked: i64,
-    _world: Lcm,
+    _others: [Lcm; 2],
     _world_relay: Relay,
 }
 
@@ -108,9 +108,11 @@ impl Site {
         let relay = Relay::start(std::slice::from_ref(&device), impairment)?;
         let world_relay = Relay::start(&[world], Impairment::default())?;
         let mut link = LcmBuilder::open(&bench.plan.wiring.watch)?;
+        // The robot's own port: what it says is heard however it is cut off.
+        let mut own = LcmBuilder::open(&bench.plan.wiring.device[Role::Robot as usize])?;
         let mut sim = LcmBuilder::open(&bench.plan.wiring.world[Role::Sensor as usize])?;
         let subscriptions = Subscriptions {
-            states: link.subscribe(1024),
+            states: own.subscribe(1024),
             commands: link.subscribe(1024),
             controllers: link.subscribe(1024),
             nodes: link.subscribe(256),
@@ -118,7 +120,7 @@ impl Site {
         };
         Ok(Self {
             device: link.start()?,
-            _world: sim.start()?,
+            _others: [sim.start()?, own.start()?],
             cell: Cell::start(&bench.plan)?,
             bench,
             relay,

@@ -27,6 +27,7 @@
 //! | compliance adapted in contact | [`adaptation`] | V |
 //! | tool and sensor learnt from tilted rests, and the way through them | [`calibration`], [`tilting`] | (3), (4) |
 //! | assessment of the impact | [`impact`] | (13)-(18), footnote 9 |
+//! | stability and margins of the loop by what is assumed | [`margins`] | |
 //! | a contact force that swings up, and the gain lowered for it | [`oscillation`] | |
 //! | whether a start can be answered for | `readiness` | |
 //! | what is asked for at run time, when, and changed smoothly | [`agenda`], `requests`, `parameters` | |
@@ -53,6 +54,7 @@ pub mod impedance;
 pub mod law;
 pub mod limits;
 pub mod literal;
+pub mod margins;
 pub mod object_model;
 pub mod oscillation;
 pub mod pairing;
@@ -83,6 +85,7 @@ use collision::CollisionWatch;
 use delivery::Delivery;
 use expectation::Expectation;
 use limits::Limits;
+use margins::Assessor;
 use motion::Motion;
 use node::scenario::{self, Scenario};
 use pairing::{EncoderHistory, Waiting};
@@ -147,6 +150,7 @@ pub struct Controller {
     bounds: Limits,
     /// Bits of the limits that bind.
     limits: i32,
+    assessor: Assessor,
 }
 
 impl Controller {
@@ -181,6 +185,7 @@ impl Controller {
             delivery: Delivery::new(scenario.timing.command_period_ticks),
             bounds: Limits::new(scenario, &Axes::zeros()),
             limits: 0,
+            assessor: Assessor::new(scenario.controller.law),
         }
     }
 

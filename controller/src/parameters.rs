@@ -15,6 +15,9 @@ pub(crate) const FORCE: usize = 0;
 /// Indices of the desired wrench.
 pub(crate) const WRENCH: std::ops::Range<usize> = 0..4;
 const COMPLIANCE: std::ops::Range<usize> = 16..18;
+/// Those that the loop's margins depend on: the force (a contact may be the stiffer the harder it is pressed), gains,
+/// compliance.
+pub(crate) const IN_THE_LOOP: [usize; 7] = [0, 11, 12, 14, 15, 16, 17];
 /// Those that only the next approach or contact follows, or that are limits: set at once.
 const AT_ONCE: [usize; 7] = [4, 5, 6, 8, 9, 11, 13];
 

@@ -3,7 +3,7 @@
 //! A request takes effect in the cycle that follows it. Actions change the phase; parameters are checked, accepted
 //! together or not at all, and slewed ([`crate::parameters`]).
 
-use crate::parameters::{FORCE, OutOfRange, WRENCH};
+use crate::parameters::{FORCE, IN_THE_LOOP, OutOfRange, WRENCH};
 use crate::readiness::{self, Evidence, Refusal};
 use crate::{Controller, ControllerPhase};
 use node::scenario::{StepKind, TaskKind};
@@ -82,6 +82,7 @@ impl Controller {
                 self.settings.task.desired_force_n = value;
             }
             self.parameters.lead(&mut self.settings, i, value);
+            self.assessor.due |= IN_THE_LOOP.contains(&i);
         }
         let last = given().last();
         self.requests.reply(
@@ -225,6 +226,7 @@ impl Controller {
         self.start = self.commanded;
         self.tare_since_tick = tick;
         self.started = true;
+        self.assessor.due = true;
         self.phase = ControllerPhase::Sync;
     }
 

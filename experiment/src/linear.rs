@@ -1,103 +1,151 @@
-//! The loop's own transfer function in contact: what linear theory predicts of a scenario, to be held against
-//! simulations.
+//! What linear theory predicts of a scenario, to be held against simulations.
 //!
-//! Everything is computed from the scenario: robot, gears, servos, sensor and tool from what *is*, the law from what
-//! the controller *assumes*. Small motions about the resting contact, six axes, six degrees of freedom of the tool;
-//! sampled parts by their z transforms with z = e^(s h), the aliases of what is sampled neglected. Not in it: limits,
-//! bounces (a contact that presses steadily moves on its rebound branch, c_re), noise, the tilt after the contact, the
-//! tool's weight as a pendulum.
+//! The equations are the controller's ([`controller::margins`]), which publishes the margins of what it *assumes*. Here
+//! robot, gears, servos, sensor and tool are what *is*, the law what the controller assumes.
 
-mod elastic;
-mod laws;
-mod margins;
-mod plant;
+pub use controller::margins::{Answer, Loop, Margins, Plant, Point, Response, Seen};
 
-pub use laws::Answer;
-pub use margins::Margins;
+use controller::elastic::Design;
+use controller::margins::{ElasticModel, GearSprings, LawModel, Servo, contact_stiffness};
+use nalgebra::{Matrix3, Matrix6, Vector3, Vector6};
+use node::scenario::{Gears, Law, Pairing, Scenario, SensorOutput};
+use robot_sim::links::Links;
+use robot_sim::servo::ServoParameters;
+use spatial::TICK_S;
+use std::f64::consts::TAU;
 
-use laws::LawModel;
-use nalgebra::Complex;
-use node::scenario::Scenario;
-use plant::{Plant, Seen};
-use std::f64::consts::PI;
-
-/// How far down the frequency goes, Hz.
-const LOWEST_HZ: f64 = 0.05;
-/// Points on the imaginary axis, equally spaced in their logarithm: 0.15 Hz apart at a gear mode of 14 Hz.
-const POINTS: usize = 800;
-
-/// The open loop at one frequency, broken at the sensor.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
-    /// Hz.
-    pub frequency_hz: f64,
-    /// What the law makes of what it sees.
-    pub answer: Answer,
+/// The loop of `scenario` in contact; `None` for a law that can't be regulated as it is assumed, or a robot that does not
+/// reach the object.
+pub fn closed(scenario: &Scenario) -> Option<Loop> {
+    Some(Loop::close(&response(scenario)?, &law(scenario)?))
 }
 
-impl Point {
-    /// `L`, negative feedback: the loop is on the verge of stability where this is -1.
-    pub fn open_loop(&self) -> Complex<f64> {
-        -self.answer.by_sensor / (Complex::from(1.0) - self.answer.by_encoder)
+/// What any law sees of the plant of `scenario` in contact; `None` for a robot that does not reach the object.
+pub fn response(scenario: &Scenario) -> Option<Response> {
+    Response::new(&plant(scenario)?)
+}
+
+/// The law of `scenario`; `None`: what it assumes can't be regulated.
+pub fn law(scenario: &Scenario) -> Option<LawModel> {
+    let controller = &scenario.controller;
+    let elastic = match controller.law {
+        Law::Elastic => Some(ElasticModel::new(
+            &Design::new(scenario)?,
+            controller,
+            gear_ratio(scenario),
+            period_s(scenario),
+            sensor_delay_s(scenario),
+        )),
+        _ => None,
+    };
+    LawModel::new(controller, period_s(scenario), elastic)
+}
+
+/// The plant of `scenario` in contact; `None`: its robot does not reach the start pose.
+pub fn plant(scenario: &Scenario) -> Option<Plant> {
+    let (robot, sensor, tool) = (&scenario.robot, &scenario.sensor, &scenario.tool);
+    let controller = &scenario.controller;
+    let position = scenario.start_axes().ok()?;
+    let links = Links::new(robot);
+    let inertia = links.axis_inertia();
+    let posture = links.at(&position, &Vector6::zeros(), &Vector6::zeros());
+    let mass = match &links {
+        Links::Gantry(inertia) => Matrix6::from_diagonal(inertia),
+        Links::Arm(links) => links.mass_matrix(&position),
+    };
+    let motors = robot.drives().motor_inertia_kg_m2;
+    let servo = |axis: usize| Servo {
+        filter_rad_per_s: TAU * robot.filter_frequency_hz,
+        filter_damping: robot.filter_damping,
+        position_gain: robot.position_gain_per_s,
+        velocity_gain: ServoParameters::velocity_gain(motors[axis], robot.velocity_bandwidth_hz),
+        integral_time_s: robot.velocity_integral_time_s,
+        inertia: motors[axis] + inertia[axis],
+    };
+    let turned = posture.link.pose.rotation.to_rotation_matrix().into_inner();
+    let centre = turned * Vector3::from(tool.centre_of_mass_in_s_m);
+    let tcp: Vector3<f64> = turned * Vector3::from(tool.tcp_in_s_m);
+    let lag_s = |bandwidth_hz: f64| 1.0 / (TAU * bandwidth_hz);
+    Some(Plant {
+        period_s: period_s(scenario),
+        command_delay_s: (robot.command_delay_periods * scenario.timing.command_period_ticks) as f64 * TICK_S,
+        servos: std::array::from_fn(servo),
+        motors,
+        gears: robot_sim::gears::Gears::new(robot, &inertia).map(|gears| GearSprings {
+            stiffness: gears.stiffness,
+            damping: gears.damping,
+        }),
+        links: mass,
+        jacobian: posture.jacobian,
+        command: posture.jacobian.lu().solve(&Vector6::ith(2, 1.0))?,
+        sensor_stiffness: [sensor.stiffness_n_per_m, sensor.stiffness_nm_per_rad],
+        sensor_damping: [sensor.damping_ns_per_m, sensor.damping_nms_per_rad],
+        tool: tool_at_s(tool.mass_kg, &centre, &turned, &tool.inertia_kg_m2.into()),
+        normal: Vector6::new(0.0, 0.0, 1.0, tcp.y, -tcp.x, 0.0),
+        contact_n_per_m: contact(scenario),
+        shown: match controller.sensor_output {
+            SensorOutput::Deflection => [1.0, 1.0],
+            SensorOutput::Force => [
+                controller.compliance_m_per_n * sensor.stiffness_n_per_m,
+                controller.compliance_rad_per_nm * sensor.stiffness_nm_per_rad,
+            ],
+        },
+        sensor_delay_s: sensor_delay_s(scenario),
+        sensor_lag_s: lag_s(sensor.bandwidth_hz),
+        paired_delay_s: match controller.pairing {
+            Pairing::Sampling => sensor_delay_s(scenario) + lag_s(controller.sensor_bandwidth_hz),
+            Pairing::Arrival => 0.0,
+        },
+    })
+}
+
+/// The tool's mass matrix for twists at s, from its mass (kg), the way to its centre (m) and its principal moments of
+/// inertia (kg m^2) along axes that are `turned`.
+fn tool_at_s(
+    mass_kg: f64,
+    centre: &Vector3<f64>,
+    turned: &Matrix3<f64>,
+    moments: &Vector3<f64>,
+) -> Matrix6<f64> {
+    let cross = centre.cross_matrix();
+    let about_s = turned * Matrix3::from_diagonal(moments) * turned.transpose() - cross * cross * mass_kg;
+    let mut at_s = Matrix6::from_diagonal_element(mass_kg);
+    at_s.fixed_view_mut::<3, 3>(0, 3).copy_from(&(-cross * mass_kg));
+    at_s.fixed_view_mut::<3, 3>(3, 0).copy_from(&(cross * mass_kg));
+    at_s.fixed_view_mut::<3, 3>(3, 3).copy_from(&about_s);
+    at_s
+}
+
+/// What small motions about the desired force feel of the object, N/m, in series with what holds its surface.
+fn contact(scenario: &Scenario) -> f64 {
+    let object = &scenario.object;
+    let surface = contact_stiffness(
+        object.indentation_n_per_m * object.rebound_ratio,
+        object.exponent,
+        scenario.task.pressing_force_n(),
+    );
+    match object.support_n_per_m {
+        0.0 => surface,
+        support => 1.0 / (1.0 / surface + 1.0 / support),
     }
 }
 
-/// What any law sees of the plant, at each frequency.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Response(Vec<(f64, Seen)>);
-
-impl Response {
-    /// The plant of `scenario` in contact; `None` for a robot that does not reach the object.
-    pub fn new(scenario: &Scenario) -> Option<Self> {
-        let plant = Plant::new(scenario)?;
-        let highest_hz = 0.5 / period_s(scenario);
-        let ratio = libm::log(highest_hz / LOWEST_HZ) / (POINTS - 1) as f64;
-        let frequency_hz = |i: usize| LOWEST_HZ * libm::exp(ratio * i as f64);
-        let seen = |i: usize| Some((frequency_hz(i), plant.seen(laplace(frequency_hz(i)))?));
-        Some(Self((0..POINTS).map(seen).collect::<Option<_>>()?))
+/// The first gear's real frequency over the assumed one; rigid gears are stiffer than anything assumed.
+fn gear_ratio(scenario: &Scenario) -> f64 {
+    match scenario.robot.gears {
+        Gears::Rigid => f64::INFINITY,
+        Gears::Elastic => {
+            scenario.robot.drives().gear_frequency_hz[0] / scenario.controller.gears.frequency_hz[0]
+        }
     }
-}
-
-fn laplace(frequency_hz: f64) -> Complex<f64> {
-    Complex::new(0.0, 2.0 * PI * frequency_hz)
 }
 
 fn period_s(scenario: &Scenario) -> f64 {
-    scenario.timing.command_period_ticks as f64 * spatial::TICK_S
+    scenario.timing.command_period_ticks as f64 * TICK_S
 }
 
-/// The loop along the contact's normal.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Loop {
-    points: Vec<Point>,
-    /// Poles of the law at z = 1.
-    integrators: usize,
-}
-
-impl Loop {
-    /// The loop of `scenario` in contact; `None` for a law that can't be regulated as it is assumed, or a robot that does
-    /// not reach the object.
-    pub fn new(scenario: &Scenario) -> Option<Self> {
-        Self::close(&Response::new(scenario)?, scenario)
-    }
-
-    /// The loop of a plant whose `response` is known, that of `scenario` or of one that differs in its law alone.
-    pub fn close(response: &Response, scenario: &Scenario) -> Option<Self> {
-        let law = LawModel::new(scenario)?;
-        let point = |(frequency_hz, seen): &(f64, Seen)| Point {
-            frequency_hz: *frequency_hz,
-            answer: law.answer(laplace(*frequency_hz), seen),
-        };
-        Some(Self {
-            points: response.0.iter().map(point).collect(),
-            integrators: law.integrators(),
-        })
-    }
-
-    /// The open loop over frequency.
-    pub fn points(&self) -> &[Point] {
-        &self.points
-    }
+fn sensor_delay_s(scenario: &Scenario) -> f64 {
+    scenario.sensor.delay_ticks as f64 * TICK_S
 }
 
 #[cfg(test)]

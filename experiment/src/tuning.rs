@@ -13,7 +13,7 @@ pub use entry::{Entry, Tuned, TuningError};
 pub use space::{Parameter, parameters};
 
 use crate::compare::{outcomes, variations_from};
-use crate::linear::{Loop, Margins};
+use crate::linear::{self, Margins};
 use crate::metrics::{Metrics, NoFigures};
 use node::scenario::{Law, Scenario, ScenarioError};
 use search::Search;
@@ -150,7 +150,7 @@ pub fn tune(
     let best = search.run(&start, evaluate);
     let values = space::at(parameters, &best);
     let tuned = scenario.with(&space::overrides(&values))?;
-    let margins = Loop::new(&tuned).map(|found| found.margins());
+    let margins = linear::closed(&tuned).map(|found| found.margins());
     let entry = Entry {
         law: law_word(scenario.controller.law).to_owned(),
         robot: crate::scenarios::word(scenario.robot.gears),

@@ -37,6 +37,8 @@ fn allocated(scenario: &Scenario) -> ([AllocationInfo; 3], bool) {
                 })
             });
         });
+        // Not part of the cycle.
+        controller.assess();
         let command = answer.as_ref().map(|answer| &answer.command);
         let command = command.filter(|command| command.stamp.step % 28 != 12);
         sums[0] += measure(|| robot.advance(&sensed.tool_motion, command));

@@ -1,7 +1,7 @@
 //! Sweeps and tuned gains: the same bytes whatever the threads, nothing run twice, and no grid that finds better gains.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "tests")]
 
-use experiment::linear::Loop;
+use experiment::linear;
 use experiment::scenarios::Source;
 use experiment::sweep::{Cells, Definition, HEADER, Plan, cells_csv, map_figure, verdicts};
 use experiment::tuning::{Entry, Gains, Set, Tuned, judge, parameters};
@@ -157,7 +157,7 @@ fn the_margins_of_tuned_gains_are_those_of_their_loops() {
             .apply(Gains::Tuned, &scenario)
             .unwrap()
             .unwrap();
-        let margins = Loop::new(&scenario).unwrap().margins();
+        let margins = linear::closed(&scenario).unwrap().margins();
         let found = [margins.gain_margin, margins.phase_margin_rad].map(round);
         let told =
             [entry.gain_margin, entry.phase_margin_rad].map(|margin| margin.map_or("none".to_owned(), round));

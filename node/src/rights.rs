@@ -1,11 +1,12 @@
-//! Real-time rights of the thread that controls: asked for where the system grants them, reported where not.
+//! Real-time rights of the thread that controls, and of the receiving ones that it starts: asked for where the system grants
+//! them, reported where not.
 
 use rustix::mm::{MlockAllFlags, mlockall};
 use rustix::thread::{CpuSet, sched_setaffinity, set_current_timer_slack};
 use std::num::NonZeroU64;
 use thread_priority::{
-    RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
-    set_thread_priority_and_policy, thread_native_id,
+    NormalThreadSchedulePolicy, RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue,
+    ThreadSchedulePolicy, set_thread_priority_and_policy, thread_native_id,
 };
 
 /// Just below the kernel's threaded interrupts, which bring the messages.
@@ -70,6 +71,13 @@ impl Wanted {
         };
         asked.into_iter().filter_map(refused).collect()
     }
+}
+
+/// For a thread that the controlling one has started, and that has time.
+pub fn give_up() {
+    let policy = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
+    // Whoever has no rights has none to give up.
+    let _ = set_thread_priority_and_policy(thread_native_id(), ThreadPriority::Min, policy);
 }
 
 fn stay_on(cpu: u16) -> Result<(), String> {

@@ -7,8 +7,8 @@ use tests::faults::{Injury, Moment, inflict};
 fn main() -> ExitCode {
     let only = std::env::args().nth(1).unwrap_or_default();
     println!(
-        "{:38} {:9} {:24} {:24} {:>12} {:>14} {:>6}",
-        "injury", "at", "robot", "controller", "stop ms", "force N", "again"
+        "{:38} {:9} {:24} {:24} {:>12} {:>14} {:>7}",
+        "injury", "at", "robot", "controller", "stop ms", "force N", "again N"
     );
     for injury in Injury::all() {
         for moment in Moment::ALL {
@@ -17,7 +17,7 @@ fn main() -> ExitCode {
             }
             match inflict("paper", &[], Impairment::default(), injury, moment) {
                 Ok(outcome) => println!(
-                    "{:38} {:9} {:24} {:24} {:>12} {:>14} {:>6}",
+                    "{:38} {:9} {:24} {:24} {:>12} {:>14} {:>7}",
                     injury.to_string(),
                     format!("{moment:?}"),
                     format!("{:?}, {:?}", outcome.robot.0, outcome.robot.1),
@@ -26,7 +26,9 @@ fn main() -> ExitCode {
                         .stop_ticks
                         .map_or("-".to_owned(), |[took, may]| format!("{took} <= {may}")),
                     format!("{:.0} ({:.0})", outcome.force_n[0], outcome.force_n[1]),
-                    if outcome.again { "yes" } else { "no" }
+                    outcome
+                        .again_n
+                        .map_or("no".to_owned(), |force_n| format!("{force_n:.1}"))
                 ),
                 Err(error) => println!("{injury:38} {moment:?}: {error}"),
             }

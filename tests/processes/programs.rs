@@ -67,17 +67,21 @@ fn task(step: i64, tick: i64, action: TaskAction, parameters: TaskParameters) ->
     }
 }
 
-/// Requests that are there in time take effect at their ticks, as in one process: a start, another force in contact, one
-/// that is refused, a stop.
+/// Requests that are there in time take effect at their ticks, as in one process: a start, another force and filter gain in
+/// contact, one that is refused, a stop. The loop's margins are known before the start, and anew in the cycle after.
 #[test]
 fn requests_take_effect_at_their_ticks() {
     let force = |force_n| TaskParameters {
         desired_force_n: Some(force_n),
         ..TaskParameters::default()
     };
+    let slower = TaskParameters {
+        object_filter_gain: Some(0.005),
+        ..force(14.0)
+    };
     let tasks = [
         task(1, 300, TaskAction::Start, TaskParameters::default()),
-        task(2, 700, TaskAction::None, force(14.0)),
+        task(2, 700, TaskAction::None, slower),
         task(3, 720, TaskAction::None, force(1e5)),
         task(4, 850, TaskAction::Stop, TaskParameters::default()),
     ];
@@ -133,6 +137,13 @@ fn requests_take_effect_at_their_ticks() {
         ((4, ParameterAnswer::Accepted), ControllerPhase::Ready)
     );
     assert!(at(848).desired_wrench.force.z > 12.0);
+    let margin = |tick| at(tick).gain_margin;
+    assert!(margin(0) == 0.0 && margin(296) > 8.0, "{}", margin(296));
+    assert!(
+        margin(700) == margin(296) && margin(704) > 1.5 * margin(296),
+        "{}",
+        margin(704)
+    );
 }
 
 /// `touchdown run` of a program prints a result per step; a failed one is exit code 1.

@@ -16,7 +16,7 @@ use spatial::kinematics::{Axes, join};
 const PINNED: f64 = 1e3;
 
 /// A mode with less of a share takes no part.
-const UNSEEN: f64 = 1e-9;
+const UNSEEN: f64 = 1e-6;
 
 /// One mode as motors and sensor see it, in a coordinate that is what it adds to the deflection, m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -96,8 +96,9 @@ impl Flexibility {
                 let i = kept[slot];
                 let frequency = libm::sqrt(squares[i]);
                 if libm::fabs(share(i)) < UNSEEN {
+                    // Its own may be that of the contact, faster than the steps of the model.
                     return Mode {
-                        frequency,
+                        frequency: libm::sqrt(squares[0]),
                         ..Mode::default()
                     };
                 }

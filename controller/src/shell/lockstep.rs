@@ -182,5 +182,9 @@ impl Node {
         ];
         shell.health.reach(tick, clock::now() - started);
         self.inputs.state = None;
+        // Between two cycles: what it finds is published from the next one on.
+        if let Some(concern) = self.controller.assess().and_then(|found| found.concern()) {
+            tracing::warn!("{concern}");
+        }
     }
 }

@@ -3,12 +3,14 @@
 
 use super::timeline::Timeline;
 use controller::agenda::Agenda;
+use controller::margins::Assessment;
 use controller::{Controller, Heard};
-use crossbeam::channel::RecvError;
+use crossbeam::channel::{Receiver, RecvError, Sender, bounded};
 use crossbeam::select;
 use lcmtypes::{Lcm, Received, Subscription};
 use node::clock;
 use node::problem::Problem;
+use node::rights;
 use node::shell::{Flags, RealTime, Shell};
 use spatial::TICK_US;
 use spatial::ports::{Deflections, NodeStatus, ObjectPose, RobotState, Role, Task};
@@ -16,8 +18,6 @@ use std::time::{Duration, Instant};
 
 /// Between two looks at the clocks' bounds.
 const LOOK: Duration = Duration::from_secs(1);
-/// For so long beyond its limit the robot's silence is told.
-const ALSO: Duration = Duration::from_millis(40);
 
 struct Node {
     process: RealTime,
@@ -34,6 +34,8 @@ struct Node {
     /// For so long cycles go on without a state.
     longest: Duration,
     waiting: Waiting,
+    /// Where margins are sent once they are found, and taken from.
+    assessments: (Sender<Assessment>, Receiver<Assessment>),
     next_look: Instant,
     /// The bound of a clock has been warned of.
     warned: bool,
@@ -69,8 +71,9 @@ pub(super) fn run(flags: &Flags, process: RealTime) -> anyhow::Result<Shell> {
         agenda: Agenda::default(),
         timeline: Timeline::default(),
         period_ticks: scenario.timing.command_period_ticks,
-        longest: Duration::from_secs_f64(scenario.controller.stale_fault_s) + ALSO,
+        longest: Duration::from_secs_f64(scenario.controller.stale_fault_s),
         waiting: Waiting::default(),
+        assessments: bounded(4),
         next_look: clock::now() + LOOK,
         warned: false,
         device: device.start()?,
@@ -257,12 +260,34 @@ impl Node {
         if state.is_none() {
             self.process.shell.health.link().missed += 1;
             self.waiting.without += 1;
-            // A robot that is gone is not run ahead of: its silence has been told by then.
+            // Its silence has been told by then. One that comes back, its time having stood still, must not find commands
+            // of a future that it takes long to reach.
             if self.ticks(self.waiting.without * self.period_ticks) > self.longest {
                 self.waiting.due = None;
             }
         }
         self.look(now, utime);
+        self.assess();
+    }
+
+    /// Have the loop's margins assessed, which takes longer than a cycle, by a thread of its own.
+    fn assess(&mut self) {
+        if let Some(job) = self.controller.to_assess() {
+            let found = self.assessments.0.clone();
+            std::thread::spawn(move || {
+                rights::give_up();
+                // The node may have ended meanwhile.
+                let _ = found.try_send(job.found());
+            });
+        }
+        if let Ok(found) = self.assessments.1.try_recv()
+            && let Some(concern) = self
+                .controller
+                .publish_assessment(found)
+                .and_then(|it| it.concern())
+        {
+            tracing::warn!("{concern}");
+        }
     }
 
     /// Publish what is known of the clocks, and warn where that is too little to pair samples.

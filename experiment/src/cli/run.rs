@@ -1,5 +1,6 @@
 //! `touchdown run`.
 
+mod margins;
 mod program;
 
 use super::{Header, ScenarioArgs, distinct, print, print_json, progress, word};
@@ -13,6 +14,7 @@ use experiment::run_port::RunPort;
 use experiment::scenarios::Source;
 use experiment::table::{Row, Table};
 use experiment::transcript::{self, Entry};
+use margins::LoopMargins;
 use node::scenario::Scenario;
 use serde::Serialize;
 use std::fs;
@@ -51,6 +53,7 @@ struct Report<'a> {
     seed: i64,
     out: &'a Path,
     rows: Vec<Row>,
+    margins: Vec<LoopMargins>,
 }
 
 /// One run to be made.
@@ -108,7 +111,7 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     place
         .publish()
         .with_context(|| format!("can't write the results into {}", args.out.display()))?;
-    let rows = measured?;
+    let (rows, margins) = measured?;
 
     if args.json {
         print_json(&Report {
@@ -116,6 +119,7 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
             seed: args.seed.unwrap_or(scenario.timing.seed),
             out: &args.out,
             rows,
+            margins,
         })?;
     } else {
         print(Table(&rows))?;
@@ -137,7 +141,7 @@ fn measure(
     runs: &[Run],
     place: &mut Workplace,
     stop: &Receiver<()>,
-) -> Result<Vec<Row>> {
+) -> Result<(Vec<Row>, Vec<LoopMargins>)> {
     let measured = experiment(args, source, runs, place, stop, |place, run, entries| {
         let Run { law, scenario, .. } = run;
         let (recording, measured) = Recording::from_transcript(scenario, &entries);
@@ -150,12 +154,13 @@ fn measure(
         let curve = LabelledCurve::new(law, scenario, &recording, measured)
             .with_context(|| format!("law {law}, whose data are in {}", args.out.display()))?;
         let (gears, kinematics) = (word(scenario.robot.gears), word(scenario.robot.kinematics));
-        Ok((Row::single(&gears, &kinematics, law, curve.metrics), curve))
+        let row = Row::single(&gears, &kinematics, law, curve.metrics);
+        Ok(((row, LoopMargins::of(law, &entries)), curve))
     })?;
-    let (rows, curves): (Vec<_>, Vec<_>) = measured.into_iter().unzip();
+    let (told, curves): (Vec<_>, Vec<_>) = measured.into_iter().unzip();
     place.result(FIGURE.to_owned(), |path| force_figure(&curves, path))?;
     place.result(SCENARIO.to_owned(), |_| Ok::<_, io::Error>(()))?;
-    Ok(rows)
+    Ok(told.into_iter().unzip())
 }
 
 /// Make one run after the other; what was said in it goes to `told`.

@@ -1,11 +1,12 @@
 use super::*;
 use crate::scenarios::Source;
 use crate::tuning::{Gains, Tuned};
+use nalgebra::Complex;
 
 fn margins(name: &str, overrides: &[&str]) -> Margins {
     let overrides: Vec<String> = overrides.iter().map(|&text| text.to_owned()).collect();
     let scenario = Source::find(name).unwrap().scenario(&overrides).unwrap();
-    Loop::new(&scenario).unwrap().margins()
+    closed(&scenario).unwrap().margins()
 }
 
 /// PLANT.md section 7: with force output, eq. (2) becomes unstable where the assumed compliance is 2.64 times the real
@@ -56,7 +57,7 @@ fn the_law_behind_elastic_gears_has_a_border_too() {
         ];
         let scenario = Source::find("elastic").unwrap().scenario(&overrides).unwrap();
         let scenario = tuned.apply(Gains::Tuned, &scenario).unwrap().unwrap();
-        Loop::new(&scenario).unwrap().margins()
+        closed(&scenario).unwrap().margins()
     };
     for (ticks, mode_hz) in [(4, 14.0), (4, 11.9), (4, 16.1), (8, 14.0), (1, 14.0), (2, 20.0)] {
         let margins = found(ticks, mode_hz);
@@ -75,7 +76,7 @@ fn the_law_behind_elastic_gears_has_a_border_too() {
 fn at_rest_the_robot_is_where_it_is_sent() {
     for name in ["paper", "arm", "elastic"] {
         let scenario = Source::find(name).unwrap().scenario(&[]).unwrap();
-        let plant = Plant::new(&scenario).unwrap();
+        let plant = plant(&scenario).unwrap();
         let seen = plant.seen(Complex::new(0.0, 0.01)).unwrap();
         assert!(
             (seen.actual - Complex::from(1.0)).norm() < 1e-3,

@@ -1,7 +1,7 @@
 //! The runs of a cell together, and what linear theory predicts of it.
 
 use super::{Outcome, Plan, State};
-use crate::linear::{Loop, Margins, Response};
+use crate::linear::{self, Loop, Margins};
 use crate::metrics::Metrics;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -56,10 +56,10 @@ impl Cells {
             let predicted: Vec<Vec<Option<Margins>>> = (0..rows * columns)
                 .into_par_iter()
                 .map(|cell| {
-                    let response = Response::new(&plan.runs[at(0, cell)].scenario);
+                    let response = linear::response(&plan.runs[at(0, cell)].scenario);
                     let predict = |law: usize| {
                         let scenario = &plan.runs[at(law, cell)].scenario;
-                        Some(Loop::close(response.as_ref()?, scenario)?.margins())
+                        Some(Loop::close(response.as_ref()?, &linear::law(scenario)?).margins())
                     };
                     (0..laws).map(predict).collect()
                 })

@@ -196,7 +196,8 @@ schema::section! {
 }
 
 schema::section! {
-    /// What the controller's assessment of the impact assumes, eqs. (13) to (18); what is, is in `[tool]` and `[object]`.
+    /// What the controller's assessment of the impact assumes, eqs. (13) to (18), and that of the loop's margins; what is, is
+    /// in `[tool]` and `[object]`.
     Impact at "controller.impact" {
         /// Assumed mass of the tool.
         tool_mass_kg: f64 = 4.0, in 1e-3..=1e4;

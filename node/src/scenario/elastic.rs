@@ -6,7 +6,8 @@ use super::{Gears, Scenario, schema};
 schema::section! {
     /// What the controller assumes of the gears; motors and links are those of `[controller.servo]`.
     AssumedGears at "controller.gears" {
-        /// What is assumed to join motor and link in free motion; the law `elastic` assumes elastic gears anyway.
+        /// What is assumed to join motor and link in free motion, and for the loop's margins; the law `elastic` assumes
+        /// elastic gears anyway.
         kind: Gears = Gears::Rigid;
         /// Assumed natural frequency of each link on its elastic gear, motor locked.
         frequency_hz: [f64; 6] = [14.0, 14.0, 14.0, 20.0, 20.0, 20.0], in 0.5..=500.0;

@@ -93,10 +93,7 @@ impl Robot {
             link_motion.stamp = self.node.stamp(tick, due);
             let unanswered = self.node.shell.publish(&self.world, &link_motion);
             if self.robot.command_due() {
-                let mut state = self.robot.state();
-                state.stamp = self.node.stamp(tick, due);
-                state.echo = self.node.echo();
-                self.node.shell.publish(&self.device, &state);
+                self.publish_state(tick, due);
             }
             let tool = self.tool_at(tick, unanswered.as_ref())?;
             self.robot.advance(&tool, None);
@@ -110,6 +107,13 @@ impl Robot {
             }
         }
         Ok(())
+    }
+
+    fn publish_state(&mut self, tick: i64, sampled: Instant) {
+        let mut state = self.robot.state();
+        state.stamp = self.node.stamp(tick, sampled);
+        state.echo = self.node.echo();
+        self.node.shell.publish(&self.device, &state);
     }
 
     /// The tool's motion at `tick`, for which `message` asks; it is repeated until the sensor's side answers.
@@ -127,6 +131,7 @@ impl Robot {
             if !frozen && clock::now() >= asked + WORLD_SILENT {
                 frozen = true;
                 self.robot.latch(Fault::SimLost);
+                self.publish_state(tick, asked);
                 self.node.shell.report(&Problem::WorldSilent {
                     tick,
                     seconds: WORLD_SILENT.as_secs_f64(),

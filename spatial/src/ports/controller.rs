@@ -155,9 +155,10 @@ pub struct ControllerStatus {
     pub tare: Deflection,
     /// Impact assessment.
     pub impact: ImpactAssessment,
-    /// Gain margin of the loop, 1; 0: not computed.
+    /// How many times as much the sensor may show before the loop is unstable, by what the controller assumes, 1; below
+    /// 1: it is unstable, and stable with that share; 0: not assessed.
     pub gain_margin: f64,
-    /// Phase margin of the loop, rad; 0: not computed.
+    /// Phase margin of the loop, rad; negative: it is unstable; 0: not assessed.
     pub phase_margin_rad: f64,
     /// Amplitude of an observed oscillation, N.
     pub oscillation_n: f64,

@@ -1,5 +1,6 @@
 //! `touchdown run` of a scenario with a program: what became of each step.
 
+use super::margins::LoopMargins;
 use super::{Args, Run, SCENARIO, experiment};
 use crate::cli::{Header, print, print_json};
 use ::experiment::metrics::Recording;
@@ -21,6 +22,7 @@ struct Outcome {
     law: String,
     succeeded: bool,
     steps: Vec<StepResult>,
+    margins: LoopMargins,
 }
 
 #[derive(Serialize)]
@@ -54,6 +56,7 @@ pub(super) fn run(
         Ok(Outcome {
             law: law.clone(),
             succeeded: succeeded(&steps),
+            margins: LoopMargins::of(law, &entries),
             steps,
         })
     });

@@ -1,9 +1,10 @@
 //! What the laws make of what they see, over frequency.
 
+use super::complex::exp;
 use super::elastic::ElasticModel;
 use super::plant::Seen;
 use nalgebra::Complex;
-use node::scenario::{Controller, Law, Scenario};
+use node::scenario::{Controller, Law};
 use spatial::TICK_S;
 use std::f64::consts::TAU;
 
@@ -20,7 +21,7 @@ pub struct Answer {
 
 /// A law about its rest in contact.
 #[derive(Clone, Debug)]
-pub(super) struct LawModel {
+pub struct LawModel {
     controller: Controller,
     period_s: f64,
     /// Assumed compliance of the tcp along the normal, m/N.
@@ -30,19 +31,18 @@ pub(super) struct LawModel {
 }
 
 impl LawModel {
-    /// The law of `scenario`; `None`: what it assumes can't be regulated.
-    pub(super) fn new(scenario: &Scenario) -> Option<Self> {
-        let controller = scenario.controller.clone();
+    /// The law that `controller` names, with a period of `period_s` (s); `None`: it is `elastic`, and what it assumes
+    /// can't be regulated, so that there is no model of it.
+    pub fn new(controller: &Controller, period_s: f64, elastic: Option<ElasticModel>) -> Option<Self> {
         let [x, y, _] = controller.tcp_in_s_m;
-        let elastic = match controller.law {
-            Law::Elastic => Some(ElasticModel::new(scenario)?),
-            _ => None,
-        };
+        if controller.law == Law::Elastic && elastic.is_none() {
+            return None;
+        }
         Some(Self {
             compliance: controller.compliance_m_per_n + (x * x + y * y) * controller.compliance_rad_per_nm,
-            period_s: scenario.timing.command_period_ticks as f64 * TICK_S,
-            controller,
-            elastic,
+            period_s,
+            elastic: elastic.filter(|_| controller.law == Law::Elastic),
+            controller: controller.clone(),
         })
     }
 
@@ -61,7 +61,7 @@ impl LawModel {
             return elastic.answer(s, seen);
         }
         let one = C::from(1.0);
-        let before = (-s * self.period_s).exp();
+        let before = exp(-s * self.period_s);
         let force = seen.deflection / self.compliance;
         let of_object = |by: C| Answer {
             by_sensor: by * seen.deflection,
@@ -86,7 +86,7 @@ impl LawModel {
             Law::Fzi => {
                 let p = &self.controller.fzi;
                 let own_s = 1.0 / p.rate_hz;
-                let step = (-s * own_s).exp();
+                let step = exp(-s * own_s);
                 let h = p.virtual_step_s;
                 let gain = (C::from(p.proportional_translation) + (one - step) * (p.derivative_s / h))
                     * p.error_scale;
@@ -117,7 +117,7 @@ impl LawModel {
     fn memory(&self, s: C) -> C {
         let p = &self.controller.proposed;
         let gain = p.settled_filter_gain.min(p.object_filter_gain);
-        C::from(gain) / (C::from(1.0) - (-s * TICK_S).exp() * (1.0 - gain))
+        C::from(gain) / (C::from(1.0) - exp(-s * TICK_S) * (1.0 - gain))
     }
 
     /// w_r^2: what a desired position that is expected to stay demands of the reference model, 1/s^2.

@@ -1,16 +1,17 @@
 //! The law behind elastic gears as a linear system: observer, prediction and regulator of one hypothesis.
 //!
 //! Once its covariance has settled, the law is linear and does not change with time, as long as it regulates
-//! (`controller::elastic`): of its hypotheses the nearest to the real gears is taken to be believed, which is what their
+//! ([`crate::elastic`]): of its hypotheses the nearest to the real gears is taken to be believed, which is what their
 //! likelihood comes to. Beyond the outermost one the real gears are what no hypothesis expects.
 
+use super::complex::exp;
 use super::laws::Answer;
 use super::plant::Seen;
-use controller::elastic::Design;
-use controller::elastic::observer::{ESTIMATED, MOTOR_GAINS, Observer};
-use controller::elastic::plant::{DEVIATION, MODAL, POSITION, Plant, RATE, STATES};
+use crate::elastic::Design;
+use crate::elastic::observer::{ESTIMATED, MOTOR_GAINS, Observer};
+use crate::elastic::plant::{DEVIATION, MODAL, POSITION, Plant, RATE, STATES};
 use nalgebra::{Complex, SMatrix, SVector, Vector3};
-use node::scenario::{Gears, Kinematics, Scenario};
+use node::scenario::Controller;
 use spatial::TICK_S;
 use std::f64::consts::TAU;
 
@@ -29,7 +30,7 @@ const SETTLED_TICKS: usize = 1500;
 
 /// The law about its rest in contact.
 #[derive(Clone, Debug)]
-pub(super) struct ElasticModel {
+pub struct ElasticModel {
     plant: Plant,
     /// What an error of the deflection corrects of modes and object.
     corrects: SVector<f64, ESTIMATED>,
@@ -41,22 +42,26 @@ pub(super) struct ElasticModel {
 }
 
 impl ElasticModel {
-    /// Of `scenario`; `None`: what is assumed can't be regulated.
-    pub(super) fn new(scenario: &Scenario) -> Option<Self> {
-        let (controller, timing) = (&scenario.controller, &scenario.timing);
-        let plant = *Design::new(scenario)?.nearest(gear_ratio(scenario));
-        let period_s = timing.command_period_ticks as f64 * TICK_S;
-        let late_s =
-            scenario.sensor.delay_ticks as f64 * TICK_S + 1.0 / (TAU * controller.sensor_bandwidth_hz);
+    /// Of the hypothesis of `design` that is nearest to gears `ratio` times as fast as they are assumed, with a period of
+    /// `period_s` and samples that are `sensor_delay_s` old (s).
+    pub fn new(
+        design: &Design,
+        controller: &Controller,
+        ratio: f64,
+        period_s: f64,
+        sensor_delay_s: f64,
+    ) -> Self {
+        let plant = *design.nearest(ratio);
+        let late_s = sensor_delay_s + 1.0 / (TAU * controller.sensor_bandwidth_hz);
         let ahead_s = controller.command_delay_periods as f64 * period_s + late_s;
-        Some(Self {
+        Self {
             corrects: Observer::gain_after(&plant, &controller.elastic, SETTLED_TICKS),
             plant,
             ahead_ticks: libm::rint(ahead_s / TICK_S) as i32,
             period_s,
             filter_rad_per_s: TAU * controller.filter_frequency_hz,
             filter_damping: controller.filter_damping,
-        })
+        }
     }
 
     /// How the command filters answer to a change of their acceleration by 1 m/s^2: the loop of both, which is broken
@@ -66,7 +71,7 @@ impl ElasticModel {
     /// The change of the acceleration that a change by 1 m/s^2 is answered with, once it has gone around the loop. (Of
     /// the set-points the same holds: they follow from it.)
     pub(super) fn answer(&self, s: C, seen: &Seen) -> Answer {
-        let (z, tick) = ((s * self.period_s).exp(), (s * TICK_S).exp());
+        let (z, tick) = (exp(s * self.period_s), exp(s * TICK_S));
         let acts = self.filters(z);
         let sampled = acts * tick.powi(-self.ahead_ticks);
         let w = self.filter_rad_per_s;
@@ -181,14 +186,4 @@ impl ElasticModel {
         let states = [0, 1].map(|way| Inner::from_fn(|i, _| found[(i, way)]));
         Some((states, [found[(INNER, 0)], found[(INNER, 1)]]))
     }
-}
-
-/// The first gear's real frequency over the assumed one; rigid gears are stiffer than anything assumed.
-fn gear_ratio(scenario: &Scenario) -> f64 {
-    let real = match (scenario.robot.gears, scenario.robot.kinematics) {
-        (Gears::Rigid, _) => return f64::INFINITY,
-        (Gears::Elastic, Kinematics::Gantry) => scenario.robot.gantry.gear_frequency_hz,
-        (Gears::Elastic, Kinematics::Arm) => scenario.robot.arm.gear_frequency_hz,
-    };
-    real[0] / scenario.controller.gears.frequency_hz[0]
 }
