@@ -35,7 +35,7 @@ pub enum Moment {
 }
 
 /// What came of it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Outcome {
     /// State and fault of the robot.
     pub robot: (RobotMode, Fault),
@@ -49,8 +49,8 @@ pub struct Outcome {
     /// Largest speed of an axis afterwards, and its limit, rad/s.
     pub speed_rad_per_s: [f64; 2],
     /// Contact force once the experiment has been made again, after the injured node's restart, a reset and a start, N;
-    /// `None`: it does not work.
-    pub again_n: Option<f64>,
+    /// or how far it has come.
+    pub again_n: Result<f64, String>,
 }
 
 /// Ticks that braking takes at the approach's speed: the command filter comes to rest.
@@ -172,7 +172,7 @@ pub fn inflict(
         stop_ticks: heard.stopped.map(stop),
         force_n: [heard.peak_n, before_n],
         speed_rad_per_s: [heard.speed_rad_per_s, drives.velocity_limit_rad_per_s.amax()],
-        again_n: None,
+        again_n: Err(String::new()),
     };
     injury.mend(&mut site)?;
     outcome.again_n = again(&mut site);
@@ -180,7 +180,7 @@ pub fn inflict(
 }
 
 /// Reset, start, and the force once it has settled.
-fn again(site: &mut Site) -> Option<f64> {
+fn again(site: &mut Site) -> Result<f64, String> {
     let works = |heard: &crate::site::Heard| {
         heard
             .controller
@@ -202,5 +202,10 @@ fn again(site: &mut Site) -> Option<f64> {
         && site.until(LONG, |heard| heard.phase() == Some(ControllerPhase::Settled));
     site.listen(Duration::from_millis(500));
     let force_n = site.heard.truth.map(|truth| truth.contact_force.z);
-    force_n.filter(|_| settles)
+    force_n.filter(|_| settles).ok_or_else(|| {
+        let robot = site.heard.robot.map(|robot| (robot.mode, robot.fault));
+        let controller = site.heard.controller;
+        let controller = controller.map(|status| (status.phase, status.fault, status.task_answer));
+        format!("robot {robot:?}, controller {controller:?}")
+    })
 }

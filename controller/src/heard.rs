@@ -60,6 +60,7 @@ impl Controller {
             self.start = state.axis_position[0];
             self.commanded = self.start;
             self.bounds.begin(&self.start);
+            self.join(&state.axis_position[0]);
             self.phase = ControllerPhase::Sync;
         }
         self.robot = Some(*state);

@@ -29,7 +29,7 @@
 //! | assessment of the impact | [`impact`] | (13)-(18), footnote 9 |
 //! | stability and margins of the loop by what is assumed | [`margins`] | |
 //! | a contact force that swings up, and the gain lowered for it | [`oscillation`] | |
-//! | whether a start can be answered for | `readiness` | |
+//! | whether a start can be answered for; one away from where zero force is known | `readiness`, `homing` | |
 //! | what is asked for at run time, when, and changed smoothly | [`agenda`], `requests`, `parameters` | |
 //! | programs: steps, their order, how each begins and ends | `program`, `steps`, `motion/begin.rs` | |
 
@@ -68,6 +68,7 @@ pub mod tilting;
 pub mod transform;
 
 mod heard;
+mod homing;
 mod motion;
 mod parameters;
 mod program;
@@ -84,6 +85,7 @@ pub use heard::Heard;
 use collision::CollisionWatch;
 use delivery::Delivery;
 use expectation::Expectation;
+use homing::Homing;
 use limits::Limits;
 use margins::Assessor;
 use motion::Motion;
@@ -136,6 +138,9 @@ pub struct Controller {
     tare_since_tick: i64,
     /// The task has begun, or was kept from it: it does not begin by itself any more.
     started: bool,
+    /// A fault has been cleared, and the robot does not follow yet: it is held where it stands.
+    rejoins: bool,
+    homing: Homing,
     expectation: Expectation,
     sensing: Sensing,
     start: Axes,
@@ -176,6 +181,8 @@ impl Controller {
             delay_ticks: 0,
             tare_since_tick: 0,
             started: !scenario.task.starts_by_itself,
+            rejoins: false,
+            homing: Homing::new(scenario),
             expectation: Expectation::new(scenario),
             start: Axes::zeros(),
             commanded: Axes::zeros(),
@@ -208,14 +215,21 @@ impl Controller {
         self.hear_sensor(heard.deflections, tick);
         self.slew(tick);
         self.change_phase(tick, &state);
-        if !follows(&state) && self.motion.is_some() {
-            // It goes on from where it stands.
-            self.commanded = state.axis_setpoint;
-        }
+        self.go_on_from(&state, tick);
         let before = self.modelled();
         let axis_position = self.set_points(tick, &self.actual(&state, tick));
         self.delivery.send(tick, &axis_position, before);
         self.outputs(tick, state.fault == Fault::None, axis_position)
+    }
+
+    /// A robot that does not follow stands where its servos hold it: from there it goes on.
+    fn go_on_from(&mut self, state: &RobotState, tick: i64) {
+        let Some(motion) = &mut self.motion else { return };
+        if !follows(state) {
+            self.commanded = state.axis_setpoint;
+        } else if std::mem::take(&mut self.rejoins) {
+            motion.recover(&self.settings, &self.commanded, tick);
+        }
     }
 
     fn outputs(&self, tick: i64, enable: bool, axis_position: [Axes; HORIZON]) -> Outputs {
@@ -263,6 +277,7 @@ impl Controller {
             }
             _ => {}
         }
+        self.arrive_home(tick);
         if state.fault != Fault::None {
             return self.fail(state.fault);
         }

@@ -7,6 +7,8 @@ use node::scenario::{OnFailure, Program as Configured, Scenario, Step, StepKind,
 #[derive(Clone, Debug)]
 pub(crate) struct Program {
     steps: Vec<Step>,
+    /// The way back to the start, while that is what is done.
+    home: Option<[Step; 2]>,
     /// Whether the scenario has a program, whose steps are published.
     pub(crate) configured: bool,
     on_failure: OnFailure,
@@ -38,6 +40,7 @@ impl Program {
         Self {
             repeated: vec![0; steps.len()],
             steps,
+            home: None,
             configured,
             on_failure,
             index: None,
@@ -57,6 +60,20 @@ impl Program {
         self.offset = Vector3::zeros();
         self.failed = 0;
         self.index = Some(0);
+        self.home = None;
+    }
+
+    /// Begin the way back to the start instead.
+    pub(crate) fn go_home(&mut self, way: [Step; 2]) {
+        self.failed = 0;
+        self.offset = Vector3::zeros();
+        self.index = Some(0);
+        self.home = Some(way);
+    }
+
+    /// What is done, step by step.
+    fn list(&self) -> &[Step] {
+        self.home.as_ref().map_or(&self.steps, |home| home)
     }
 
     /// Nothing is done any more.
@@ -66,7 +83,7 @@ impl Program {
 
     /// The step that is done now.
     pub(crate) fn step(&self) -> Option<&Step> {
-        self.steps.get(self.index?)
+        self.list().get(self.index?)
     }
 
     /// The kind of the step that is done now.
@@ -77,7 +94,7 @@ impl Program {
     /// Index of the step as it is published.
     pub(crate) fn published(&self) -> Option<i32> {
         self.index
-            .filter(|_| self.configured)
+            .filter(|_| self.configured && self.home.is_none())
             .and_then(|index| i32::try_from(index).ok())
     }
 
@@ -85,6 +102,10 @@ impl Program {
     pub(crate) fn go_on(&mut self) {
         self.failed = 0;
         let mut index = self.index.map_or(0, |index| index + 1);
+        if let Some(home) = &self.home {
+            self.index = Some(index).filter(|&index| index < home.len());
+            return;
+        }
         while let Some(step) = self.steps.get(index).filter(|step| step.kind == StepKind::Next) {
             let first = usize::try_from(step.first).unwrap_or(0);
             self.repeated[index] += 1;
@@ -106,7 +127,7 @@ impl Program {
     pub(crate) fn fail(&mut self, why: i32) -> bool {
         let after = self.index.map_or(0, |index| index + 1);
         let retraction = (after..self.steps.len()).find(|&i| self.steps[i].kind == StepKind::Retract);
-        if self.on_failure == OnFailure::Fault || retraction.is_none() {
+        if self.on_failure == OnFailure::Fault || retraction.is_none() || self.home.is_some() {
             return false;
         }
         self.index = retraction;

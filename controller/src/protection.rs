@@ -59,7 +59,10 @@ impl Controller {
     fn wanted(&mut self, tick: i64, actual: &Axes) -> Option<([Axes; HORIZON], i32)> {
         let silent = self.sensor_silent_s(tick).max(self.robot_silent_s(tick)) > self.hold_s();
         let tilts = self.tilting.is_some_and(|tilting| tilting.begun());
-        let motion = self.motion.as_mut().filter(|_| self.fault == Fault::None)?;
+        let motion = self
+            .motion
+            .as_mut()
+            .filter(|_| self.fault == Fault::None && !self.rejoins)?;
         let (settings, bounds) = (&self.settings, &mut self.bounds);
         if silent && !tilts {
             return Some(motion.hold(settings, bounds, &self.commanded));

@@ -31,6 +31,8 @@ pub(crate) struct Evidence<'a> {
     pub(crate) r_from_s: Pose,
     /// Whether the object that is expected is known.
     pub(crate) object_known: bool,
+    /// The robot is to be led back to its start.
+    pub(crate) away: bool,
 }
 
 /// Periods T within which robot and sensor must have brought something new.
@@ -65,6 +67,10 @@ pub(crate) fn check(settings: &Settings, evidence: &Evidence<'_>) -> Result<(), 
     ];
     if let Some((_, answer, limit)) = reasons.into_iter().find(|(holds, ..)| *holds) {
         return Err(Refusal { answer, limit });
+    }
+    // Away from the start nobody knows what the tare means; it is taken anew there.
+    if evidence.away {
+        return Ok(());
     }
     // A calibration is made to find out what the tare means.
     if settings.task.kind != TaskKind::Calibrate {

@@ -4,7 +4,8 @@
 //! together or not at all, and slewed ([`crate::parameters`]).
 
 use crate::parameters::{FORCE, IN_THE_LOOP, OutOfRange, WRENCH};
-use crate::readiness::{self, Evidence, Refusal};
+pub(crate) use crate::readiness::Refusal;
+use crate::readiness::{self, Evidence};
 use crate::{Controller, ControllerPhase};
 use node::scenario::{StepKind, TaskKind};
 use spatial::Pose;
@@ -139,6 +140,9 @@ impl Controller {
 
     /// Begin the configured task or program, or say why not.
     fn start(&mut self, tick: i64, state: &RobotState) -> Result<(), Refusal> {
+        if self.homing.away() {
+            return self.go_home(tick, state);
+        }
         self.ready(tick, state)?;
         self.started = true;
         self.collision.reset();
@@ -168,6 +172,7 @@ impl Controller {
     /// Come to rest and hold, whatever is done.
     fn stop(&mut self, tick: i64) {
         self.started = true;
+        self.homing.abandon();
         if self.fault != Fault::None {
             return;
         }
@@ -199,10 +204,12 @@ impl Controller {
         self.fault = Fault::None;
         self.collision.reset();
         self.started = true;
+        self.homing.abandon();
         self.program.end();
         if let Some(tilting) = &mut self.tilting {
             tilting.halt();
         }
+        self.rejoins = !crate::follows(state);
         self.phase = match &mut self.motion {
             Some(motion) => {
                 motion.recover(&self.settings, &self.commanded, tick);
@@ -214,12 +221,12 @@ impl Controller {
     }
 
     /// Whether nothing moves and nothing is touched, so that zero force can be taken anew.
-    fn rests(&self, tick: i64) -> bool {
+    pub(crate) fn rests(&self, tick: i64) -> bool {
         self.motion.as_ref().is_some_and(|motion| motion.rests_free(tick))
     }
 
     /// Take what the sensor shows from now on as zero.
-    fn tare_anew(&mut self, tick: i64) {
+    pub(crate) fn tare_anew(&mut self, tick: i64) {
         self.sensing.tare_anew();
         self.motion = None;
         self.tilting = None;
@@ -231,7 +238,7 @@ impl Controller {
     }
 
     /// Whether all that a start rests on is there.
-    fn ready(&self, tick: i64, state: &RobotState) -> Result<(), Refusal> {
+    pub(crate) fn ready(&self, tick: i64, state: &RobotState) -> Result<(), Refusal> {
         let settings = &self.settings;
         let evidence = Evidence {
             state,
@@ -246,6 +253,7 @@ impl Controller {
             tare: self.sensing.zero(),
             r_from_s: settings.kinematics.forward(&self.start),
             object_known: self.expectation.ready(),
+            away: self.homing.away(),
         };
         readiness::check(settings, &evidence)
     }

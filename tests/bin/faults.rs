@@ -28,7 +28,7 @@ fn main() -> ExitCode {
                     format!("{:.0} ({:.0})", outcome.force_n[0], outcome.force_n[1]),
                     outcome
                         .again_n
-                        .map_or("no".to_owned(), |force_n| format!("{force_n:.1}"))
+                        .map_or_else(|state| format!("no: {state}"), |force_n| format!("{force_n:.1}"))
                 ),
                 Err(error) => println!("{injury:38} {moment:?}: {error}"),
             }

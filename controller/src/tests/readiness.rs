@@ -116,7 +116,20 @@ fn with_everything_in_place_it_starts() {
 }
 
 #[test]
-fn a_robot_that_is_stale_faulty_or_elsewhere_is_refused() {
+fn the_fault_of_a_robot_is_the_controllers() {
+    let faulty = Cause {
+        robot: |state| state.fault = Fault::AxisLimit,
+        ..Cause::none()
+    };
+    let status = status(faulty, true);
+    assert_eq!(
+        (status.phase, status.fault),
+        (ControllerPhase::Fault, Fault::AxisLimit)
+    );
+}
+
+#[test]
+fn a_robot_that_is_stale_or_elsewhere_is_refused() {
     let robot = |robot| Cause {
         robot,
         ..Cause::none()
@@ -128,11 +141,6 @@ fn a_robot_that_is_stale_faulty_or_elsewhere_is_refused() {
     );
     assert_refused(
         robot(|state| state.mode = RobotMode::Braking),
-        ParameterAnswer::RobotNotReady,
-        0.0,
-    );
-    assert_refused(
-        robot(|state| state.fault = Fault::AxisLimit),
         ParameterAnswer::RobotNotReady,
         0.0,
     );
