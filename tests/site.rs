@@ -4,6 +4,7 @@ use crate::cell::{Bench, signal};
 use crate::relay::{Impairment, Relay};
 use crossbeam::select;
 use experiment::launch::Cell;
+use experiment::transcript::{self, Entry};
 use lcmtypes::{Lcm, LcmBuilder, Subscription};
 use node::clock;
 use rustix::process::Signal;
@@ -179,9 +180,12 @@ impl Site {
         })
     }
 
-    /// The link that is listened on, to send on it.
-    pub fn link(&self) -> &Lcm {
-        &self.device
+    /// Stop the programs; what they have said.
+    pub fn finish(self) -> Result<Vec<Entry>, Box<dyn Error>> {
+        let Self { cell, bench, .. } = self;
+        cell.stop()?;
+        let records = [Role::Robot, Role::Sensor, Role::Controller].map(|role| bench.plan.record(role));
+        Ok(transcript::from_logs(&records)?)
     }
 
     /// Send `what` to the node in `role`.

@@ -12,4 +12,5 @@ mod by_hand;
 mod command;
 mod failures;
 mod programs;
+mod realtime;
 mod runs;
