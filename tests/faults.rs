@@ -1,7 +1,6 @@
 //! What may go wrong with a cell in real time, when, and what came of it: the fault matrix.
 
-use crate::relay::Impairment;
-use crate::site::{LONG, Site};
+use crate::site::{LONG, Setting, Site};
 use rustix::process::Signal;
 use spatial::ports::{ControllerPhase, Fault, HORIZON, RobotMode, Role, TaskAction};
 use std::error::Error;
@@ -140,15 +139,9 @@ impl Moment {
     }
 }
 
-/// Inflict `injury` at `moment` on `scenario` with `overrides` on a network with `impairment`.
-pub fn inflict(
-    scenario: &str,
-    overrides: &[&str],
-    impairment: Impairment,
-    injury: Injury,
-    moment: Moment,
-) -> Result<Outcome, Box<dyn Error>> {
-    let mut site = Site::start(scenario, overrides, impairment, [&[], &[], &[]])?;
+/// Inflict `injury` at `moment`.
+pub fn inflict(setting: &Setting<'_>, injury: Injury, moment: Moment) -> Result<Outcome, Box<dyn Error>> {
+    let mut site = Site::start(setting)?;
     if !moment.wait(&mut site) {
         return Err(format!("{moment:?} is not reached: {:?}", site.heard.phase()).into());
     }

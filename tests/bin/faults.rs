@@ -1,8 +1,8 @@
 //! The fault matrix as a table: `make faults`.
 
 use std::process::ExitCode;
-use tests::Impairment;
 use tests::faults::{Injury, Moment, inflict};
+use tests::site::Setting;
 
 fn main() -> ExitCode {
     let only = std::env::args().nth(1).unwrap_or_default();
@@ -15,7 +15,7 @@ fn main() -> ExitCode {
             if !format!("{injury} {moment:?}").contains(&only) {
                 continue;
             }
-            match inflict("paper", &[], Impairment::default(), injury, moment) {
+            match inflict(&Setting::default(), injury, moment) {
                 Ok(outcome) => println!(
                     "{:38} {:9} {:24} {:24} {:>12} {:>14} {:>7}",
                     injury.to_string(),

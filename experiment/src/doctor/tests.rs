@@ -19,7 +19,9 @@ fn this_host_is_examined() {
             "multicast",
             "receive buffer",
             "udp sockets",
-            "other lcm"
+            "other lcm",
+            "real-time rights",
+            "wake-ups",
         ]
     );
     // The tests need multicast themselves.

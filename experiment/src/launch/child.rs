@@ -25,7 +25,18 @@ impl Node {
     pub(super) fn start(plan: &Plan, role: Role) -> Result<Self, LaunchError> {
         let path = plan.programs.join(role_name(role));
         let index = role as usize;
-        let mut command = Command::new(&path);
+        let through = &plan.through[index];
+        let mut command = match through.split_first() {
+            None => Command::new(&path),
+            Some((first, rest)) => {
+                let mut command = Command::new(first);
+                command.args(rest).arg(&path);
+                command
+            }
+        };
+        if through.is_empty() {
+            command.args(["--with-parent", &std::process::id().to_string()]);
+        }
         command
             .arg("--scenario")
             .arg(&plan.scenario)
@@ -34,7 +45,6 @@ impl Node {
             .args(["--run-id", &plan.run_id.to_string()])
             .arg("--record")
             .arg(plan.record(role))
-            .args(["--with-parent", &std::process::id().to_string()])
             .args(plan.overrides.iter().flat_map(|change| ["--set", change]))
             .args(&plan.flags[index]);
         if std::env::var_os("RUST_LOG").is_none() {
@@ -90,8 +100,8 @@ impl Node {
             .ok()
             .and_then(rustix::process::Pid::from_raw);
         if let Some(id) = id {
-            // It may have ended already.
-            let _ = rustix::process::kill_process(id, signal);
+            // Its group: whatever has started it in between is not the node. It may have ended already.
+            let _ = rustix::process::kill_process_group(id, signal);
         }
     }
 
