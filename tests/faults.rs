@@ -16,6 +16,8 @@ pub enum Injury {
     Freeze(Role, u64),
     /// A process is cut off from the others' device channels for so many ms.
     Cut(Role, u64),
+    /// For 200 ms each command is sent once more, later, and as one of the future, and each state as one of another process.
+    Replay,
     /// Another controller is started beside the one that works.
     SecondController,
     /// The controller is replaced by one with another scenario.
@@ -55,6 +57,48 @@ pub struct Outcome {
 /// Ticks that braking takes at the approach's speed: the command filter comes to rest.
 const BRAKING_TICKS: i64 = 150;
 
+impl Outcome {
+    /// What was promised and not kept.
+    pub fn broken(&self) -> Option<String> {
+        let [after_n, before_n] = self.force_n;
+        let [fastest, limit] = self.speed_rad_per_s;
+        let late = self.stop_ticks.filter(|[took, may]| took > may);
+        match (&self.again_n, late) {
+            (_, Some([took, may])) => Some(format!("it stood after {took} instead of {may} ms")),
+            _ if after_n > 1.2 * before_n.max(DESIRED_N) => {
+                Some(format!("{after_n:.0} N after {before_n:.0} N"))
+            }
+            _ if fastest > limit => Some(format!("{fastest:.2} rad/s instead of {limit:.2}")),
+            (Err(state), _) => Some(format!("it does not work again: {state}")),
+            (Ok(again_n), _) if libm::fabs(again_n - DESIRED_N) > 0.05 * DESIRED_N => {
+                Some(format!("{again_n:.1} N when it works again"))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// What the scenario presses with, N.
+const DESIRED_N: f64 = 10.0;
+
+/// Send what has been sent once more, and what has not been yet.
+fn replay(site: &mut Site) {
+    for _ in 0..50 {
+        site.listen(Duration::from_millis(4));
+        let (Some(command), Some(state)) = (site.heard.command, site.heard.robot) else {
+            continue;
+        };
+        let mut future = command;
+        future.stamp.step += 1000;
+        let mut foreign = state;
+        (foreign.stamp.boot_id, foreign.stamp.step) = (1, foreign.stamp.step + 4);
+        // A full buffer is one more loss.
+        let _ = site.link().publish(&command);
+        let _ = site.link().publish(&future);
+        let _ = site.link().publish(&foreign);
+    }
+}
+
 impl Injury {
     /// Every one.
     pub fn all() -> Vec<Self> {
@@ -67,7 +111,7 @@ impl Injury {
                 .flat_map(|&role| times.map(|ms| Self::Freeze(role, ms))),
         );
         all.extend(roles.iter().flat_map(|&role| times.map(|ms| Self::Cut(role, ms))));
-        all.extend([Self::SecondController, Self::Mismatch]);
+        all.extend([Self::Replay, Self::SecondController, Self::Mismatch]);
         all
     }
 
@@ -84,6 +128,7 @@ impl Injury {
                 site.listen(Duration::from_millis(ms));
                 site.cut(role, false);
             }
+            Self::Replay => replay(site),
             Self::SecondController => site.cell.start_another(&site.bench.plan, Role::Controller)?,
             Self::Mismatch => {
                 site.cell.kill(Role::Controller);
@@ -104,7 +149,7 @@ impl Injury {
                 site.cell.kill(Role::Controller);
                 site.cell.start_another(&site.bench.plan, Role::Controller)?;
             }
-            Self::Freeze(..) | Self::Cut(..) => {}
+            Self::Freeze(..) | Self::Cut(..) | Self::Replay => {}
         }
         Ok(())
     }
@@ -117,6 +162,7 @@ impl fmt::Display for Injury {
             Self::Kill(role) => write!(f, "{} killed", name(role)),
             Self::Freeze(role, ms) => write!(f, "{} frozen for {ms} ms", name(role)),
             Self::Cut(role, ms) => write!(f, "{} cut off for {ms} ms", name(role)),
+            Self::Replay => write!(f, "stale and future messages"),
             Self::SecondController => write!(f, "a second controller"),
             Self::Mismatch => write!(f, "a controller with another scenario"),
         }

@@ -217,6 +217,11 @@ impl Site {
         Ok(transcript::from_logs(&records)?)
     }
 
+    /// The link that is listened on.
+    pub fn link(&self) -> &Lcm {
+        &self.device
+    }
+
     /// Send `what` to the node in `role`.
     pub fn signal(&self, role: Role, what: Signal) {
         if let Some(id) = self.cell.process_id(role) {

@@ -159,15 +159,7 @@ fn on_a_bad_network_it_stays_in_contact() {
 /// A sample of `make faults`.
 fn sample(injury: Injury, moment: Moment) -> Outcome {
     let outcome = inflict(&Setting::default(), injury, moment).unwrap();
-    let [after_n, before_n] = outcome.force_n;
-    assert!(
-        after_n <= 1.2 * before_n.max(10.0),
-        "{after_n} N after {before_n} N"
-    );
-    let [fastest, limit] = outcome.speed_rad_per_s;
-    assert!(fastest <= limit, "{fastest} rad/s");
-    let again_n = outcome.again_n.clone().unwrap();
-    assert!((again_n - 10.0).abs() < 0.5, "{again_n} N");
+    assert_eq!(outcome.broken(), None);
     outcome
 }
 
@@ -175,8 +167,7 @@ fn sample(injury: Injury, moment: Moment) -> Outcome {
 fn a_robot_without_its_controller_stops_and_can_be_used_again() {
     let outcome = sample(Injury::Kill(Role::Controller), Moment::Settled);
     assert_eq!(outcome.robot, (RobotMode::Fault, Fault::CommandGap));
-    let [took, may] = outcome.stop_ticks.unwrap();
-    assert!(took <= may, "{took} ms");
+    assert!(outcome.stop_ticks.is_some());
 }
 
 #[test]

@@ -157,6 +157,8 @@ impl Node {
         if self.waiting.sensor_step.is_some_and(|newest| step <= newest) {
             return;
         }
+        let gap = self.waiting.sensor_step.map_or(0, |newest| step - newest - 1);
+        self.process.shell.health.link().lost += gap;
         self.waiting.sensor_step = Some(step);
         // Of two messages since the last cycle the newer one has most of what the older one had, but what it marks as
         // known would be lost: samples are placed when they are used.
