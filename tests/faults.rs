@@ -184,7 +184,7 @@ impl Moment {
         match self {
             Self::Approach => {
                 heard.phase() == Some(ControllerPhase::Approach)
-                    && heard.truth.is_some_and(|truth| truth.tcp_velocity.z < -0.015)
+                    && heard.truth.is_some_and(|truth| truth.tcp_velocity.z < -0.0195)
             }
             Self::Contact => heard.phase() == Some(ControllerPhase::Contact),
             Self::Settled => heard.phase() == Some(ControllerPhase::Settled),
