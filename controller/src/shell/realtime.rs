@@ -298,6 +298,19 @@ impl Node {
             return;
         }
         self.next_look = now + LOOK;
+        let clocks = [
+            (Role::Robot, &mut self.timeline.robot),
+            (Role::Sensor, &mut self.timeline.sensor),
+        ];
+        for (role, clock) in clocks {
+            if let Some(us) = clock.jump() {
+                tracing::warn!(
+                    "the clock of {} has jumped by {:.3} s; it is measured anew",
+                    node::greeting::role_name(role),
+                    1e-6 * us
+                );
+            }
+        }
         let most_us = 0.25 * (self.period_ticks * TICK_US) as f64;
         let mut worst: f64 = 0.0;
         for (role, estimate) in [Role::Robot, Role::Sensor]
