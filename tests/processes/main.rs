@@ -12,5 +12,4 @@ mod by_hand;
 mod command;
 mod failures;
 mod programs;
-mod realtime;
 mod runs;

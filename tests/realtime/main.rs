@@ -1,14 +1,24 @@
 //! Three processes by the wall clock, each with a clock of its own, over a network that is not perfect.
 //!
-//! What is asserted are results and states; how long anything takes is up to the machine.
+//! What is asserted are results and states; how long anything takes is up to the machine. One test at a time has it for
+//! itself: this binary is apart from the other processes' tests, which are as fast as they can.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 use experiment::metrics::{Metrics, Recording};
 use spatial::ports::{ControllerPhase, Fault, NodeState, RobotMode, Role};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use tests::Impairment;
 use tests::faults::{Injury, Moment, Outcome, inflict};
 use tests::hosts::on_hosts;
 use tests::site::{LONG, Setting, Site};
+
+static MACHINE: Mutex<()> = Mutex::new(());
+
+/// The machine for one test alone, also after one that has failed.
+fn alone() -> MutexGuard<'static, ()> {
+    MACHINE.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// A busy machine may hold a process up for longer than a robot would wait.
 fn patient() -> Setting<'static> {
@@ -48,6 +58,7 @@ fn ordinary() -> Impairment {
 /// On such a network, clocks 12 ms and 20 ppm apart: the same experiment as in lockstep.
 #[test]
 fn on_an_ordinary_network_with_clocks_apart_the_figures_are_those_of_lockstep() {
+    let _alone = alone();
     let flags: [&[&str]; 3] = [
         &[],
         &["--clock-offset-s=0.012", "--clock-drift-ppm=20"],
@@ -97,7 +108,7 @@ fn assert_same_figures(site: Site, expected: &Metrics) {
 
 /// The same on three hosts, joined by a bridge and the relay, whose monotonic clocks are days apart.
 fn on_three_hosts(name: &str, overrides: &[&str]) {
-    on_hosts(&format!("realtime::{name}"), |hosts| {
+    on_hosts(name, |hosts| {
         let overrides: Vec<_> = overrides.iter().chain(patient().overrides).copied().collect();
         let mut site = Site::start(&Setting {
             overrides: &overrides,
@@ -115,6 +126,7 @@ fn on_three_hosts(name: &str, overrides: &[&str]) {
 
 #[test]
 fn on_three_hosts_the_rigid_arm_presses_as_in_lockstep() {
+    let _alone = alone();
     on_three_hosts(
         "on_three_hosts_the_rigid_arm_presses_as_in_lockstep",
         &["robot.kinematics=arm"],
@@ -123,6 +135,7 @@ fn on_three_hosts_the_rigid_arm_presses_as_in_lockstep() {
 
 #[test]
 fn on_three_hosts_the_elastic_gantry_presses_as_in_lockstep() {
+    let _alone = alone();
     on_three_hosts(
         "on_three_hosts_the_elastic_gantry_presses_as_in_lockstep",
         &["robot.gears=elastic"],
@@ -132,6 +145,7 @@ fn on_three_hosts_the_elastic_gantry_presses_as_in_lockstep() {
 /// 5 % loss, 5 % duplicates, 5 % overtaken.
 #[test]
 fn on_a_bad_network_it_stays_in_contact() {
+    let _alone = alone();
     let impairment = Impairment {
         loss: 0.05,
         duplication: 0.05,
@@ -158,13 +172,14 @@ fn on_a_bad_network_it_stays_in_contact() {
 
 /// A sample of `make faults`.
 fn sample(injury: Injury, moment: Moment) -> Outcome {
-    let outcome = inflict(&Setting::default(), injury, moment).unwrap();
+    let outcome = inflict(&patient(), injury, moment).unwrap();
     assert_eq!(outcome.broken(), None);
     outcome
 }
 
 #[test]
 fn a_robot_without_its_controller_stops_and_can_be_used_again() {
+    let _alone = alone();
     let outcome = sample(Injury::Kill(Role::Controller), Moment::Settled);
     assert_eq!(outcome.robot, (RobotMode::Fault, Fault::CommandGap));
     assert!(outcome.stop_ticks.is_some());
@@ -172,12 +187,14 @@ fn a_robot_without_its_controller_stops_and_can_be_used_again() {
 
 #[test]
 fn a_controller_without_its_sensor_holds_and_says_so() {
+    let _alone = alone();
     let outcome = sample(Injury::Cut(Role::Sensor, 200), Moment::Contact);
     assert_eq!(outcome.controller, Fault::SensorStale);
 }
 
 #[test]
 fn a_second_controller_does_not_work_and_does_not_disturb() {
+    let _alone = alone();
     let mut site = Site::start(&patient()).unwrap();
     until_settled(&mut site);
     let first = site.heard.nodes[Role::Controller as usize].unwrap().stamp.boot_id;
@@ -199,6 +216,7 @@ fn a_second_controller_does_not_work_and_does_not_disturb() {
 
 #[test]
 fn another_scenario_is_refused_with_both_hashes() {
+    let _alone = alone();
     let mut site = Site::start(&patient()).unwrap();
     until_settled(&mut site);
     site.cell.kill(Role::Controller);
@@ -220,6 +238,7 @@ fn another_scenario_is_refused_with_both_hashes() {
 /// believed. No process ends, and nothing moves beyond its limits.
 #[test]
 fn wrong_bits_end_no_process() {
+    let _alone = alone();
     let mut site = Site::start(&Setting {
         impairment: Impairment {
             corruption: 0.01,
