@@ -15,6 +15,7 @@ mod run;
 mod sweep;
 mod task;
 mod tune;
+mod up;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -27,6 +28,7 @@ pub(crate) use experiment::scenarios::word;
 use experiment::scenarios::{Source, SourceError};
 use experiment::sweep::SweepError;
 use experiment::tuning::TuningError;
+use experiment::up::UpError;
 use impact::Unanswerable;
 use indicatif::{ProgressBar, ProgressStyle};
 use node::scenario::{Scenario, ScenarioError};
@@ -63,6 +65,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Run(run::Args),
+    Up(up::Args),
     Task(task::Args),
     Compare(compare::Args),
     Tune(tune::Args),
@@ -153,6 +156,7 @@ pub(crate) fn main() -> ExitCode {
     node::shell::log_to_stderr();
     let outcome = match &cli.command {
         Command::Run(args) => run::run(args),
+        Command::Up(args) => up::run(args),
         Command::Task(args) => task::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Tune(args) => tune::run(args),
@@ -186,6 +190,7 @@ pub(crate) fn main() -> ExitCode {
                 || cause.is::<SweepError>()
                 || cause.is::<BoundError>()
                 || cause.is::<ReportError>()
+                || cause.is::<UpError>()
         };
         let wrong_usage = error.chain().any(configuration);
         ExitCode::from(if wrong_usage { WRONG_USAGE } else { FAILED })
