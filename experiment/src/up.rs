@@ -10,8 +10,8 @@ mod watch;
 
 pub use config::{CellConfig, Place, same_host};
 pub use error::UpError;
-pub use watch::{Event, Watch};
 pub(crate) use watch::unpadded;
+pub use watch::{Event, Watch};
 
 use crate::launch::{Cell, LaunchError, NodeCommand};
 use crossbeam::channel::Receiver;

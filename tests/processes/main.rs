@@ -14,3 +14,4 @@ mod failures;
 mod programs;
 mod realtime;
 mod runs;
+mod up;

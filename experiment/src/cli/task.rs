@@ -59,6 +59,8 @@ struct Report {
 
 /// The URL of the device channels where none is named.
 const DEFAULT_URL: &str = "udpm://239.255.76.67:7667?ttl=0";
+/// As many senders are told apart; the counts of requests, which begin there, have room beyond.
+const SENDERS: i64 = 8_000_000_000_000;
 /// How long to wait for an answer, and for how long a reset is asked for again.
 const PATIENCE: Duration = Duration::from_secs(2);
 /// How long until the request is repeated.
@@ -168,7 +170,7 @@ fn request(args: &Args) -> Result<Task> {
     // Each call is a sender of its own, on whichever host, whose answer is told from those to others by its count, too.
     let mut random = [0; 8];
     getrandom(&mut random, GetRandomFlags::empty())?;
-    let sender = (i64::from_le_bytes(random) >> 2).saturating_abs().max(1);
+    let sender = i64::from_le_bytes(random).rem_euclid(SENDERS) + 1;
     Ok(Task {
         stamp: Stamp {
             step: sender,

@@ -134,22 +134,21 @@ impl Watch {
         let mut events = Vec::new();
         for role in ROLES {
             let i = role as usize;
+            let since = |instant: Instant| now.saturating_duration_since(instant);
             match &mut self.known[i] {
-                Some(known) => {
-                    if !known.silent && now.saturating_duration_since(known.heard) >= 4 * SILENT {
-                        known.silent = true;
-                        events.push(Event {
-                            node: role_name(role),
-                            host: unpadded(&known.status.host),
-                            event: format!("silent for {} s", (4 * SILENT).as_secs()),
-                        });
-                    }
+                Some(known) if !known.silent && since(known.heard) >= 4 * SILENT => {
+                    known.silent = true;
+                    events.push(Event {
+                        node: role_name(role),
+                        host: unpadded(&known.status.host),
+                        event: format!("silent for {} s", (4 * SILENT).as_secs()),
+                    });
                 }
-                None if !self.asked_for[i] && now.saturating_duration_since(self.started) >= EXPECTED => {
+                None if !self.asked_for[i] && since(self.started) >= EXPECTED => {
                     self.asked_for[i] = true;
                     events.push(self.absent(role));
                 }
-                None => {}
+                _ => {}
             }
         }
         events.extend(self.completeness());
