@@ -111,7 +111,7 @@ pub fn examine(options: &Options) -> Result<Vec<Finding>, LcmError> {
     let ear = member(address, 0);
     let memberships = read("/proc/net/igmp");
     drop(ear);
-    let interfaces = interfaces(&memberships);
+    let interfaces = interfaces(&read("/proc/net/dev"), &memberships);
     let asked = Asked {
         group: address,
         ttl,

@@ -110,7 +110,7 @@ fn two_doctors_on_two_hosts_hear_each_other() {
     let here = report(&output);
     let observed = named(&here, "multicast")["observed"].as_str().unwrap();
     assert!(
-        observed.contains("through veth0 (a multicast route); with ttl=1"),
+        observed.contains("through veth0 (the route for 224.0.0.0/4); with ttl=1"),
         "{observed}"
     );
     let other: Value =

@@ -1,6 +1,6 @@
 //! The interface that multicast takes, and whether it is a member of the group.
 
-use super::multicast::{Asked, Route};
+use super::multicast::{Asked, REJECTED, Route};
 use super::{Finding, Verdict, read};
 use std::fs;
 use std::net::Ipv4Addr;
@@ -13,43 +13,51 @@ const MULTICAST: u32 = 0x1000;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Interface {
     pub(super) name: String,
-    pub(super) flags: u32,
+    /// `None`: they can't be read here.
+    pub(super) flags: Option<u32>,
 }
 
 impl Interface {
-    fn has(&self, flag: u32) -> bool {
-        self.flags & flag != 0
+    /// Whether it has the flag, as far as is known.
+    fn has(&self, flag: u32) -> Option<bool> {
+        self.flags.map(|flags| flags & flag != 0)
     }
 }
 
-/// All interfaces of this network namespace by their names. `memberships` is `/proc/net/igmp`, which is always of this
-/// namespace, while `/sys` may have been mounted in another one.
-pub(super) fn interfaces(memberships: &str) -> Vec<Interface> {
-    let indices = devices(memberships);
-    let entries = fs::read_dir("/sys/class/net").into_iter().flatten().flatten();
-    let mut interfaces: Vec<Interface> = entries
-        .filter_map(|entry| {
-            let name = entry.file_name().into_string().ok()?;
-            let file = |key: &str| read(&format!("/sys/class/net/{name}/{key}"));
-            let index = file("ifindex").trim().to_owned();
-            let known = indices.iter().find(|(_, device)| *device == name);
-            if known.is_some_and(|(here, _)| *here != index) {
-                return None;
-            }
-            let flags = u32::from_str_radix(file("flags").trim().strip_prefix("0x")?, 16).ok()?;
-            Some(Interface { name, flags })
+/// All interfaces of this network namespace, as `devices` (`/proc/net/dev`) names them. `memberships` is `/proc/net/igmp`; both
+/// are always of this namespace, while `/sys` may have been mounted in another one.
+pub(super) fn interfaces(devices: &str, memberships: &str) -> Vec<Interface> {
+    let indices = indices(memberships);
+    let names = devices
+        .lines()
+        .skip(2)
+        .filter_map(|line| line.split_once(':'))
+        .map(|(name, _)| name.trim().to_owned());
+    let flags = |name: &str| {
+        let file = |key: &str| read(&format!("/sys/class/net/{name}/{key}"));
+        let index = file("ifindex").trim().to_owned();
+        let elsewhere = indices
+            .iter()
+            .any(|(here, device)| device == name && *here != index);
+        let flags = u32::from_str_radix(file("flags").trim().strip_prefix("0x")?, 16).ok()?;
+        (!elsewhere).then_some(flags)
+    };
+    names
+        .map(|name| Interface {
+            flags: flags(&name),
+            name,
         })
-        .collect();
-    interfaces.sort_by(|a, b| a.name.cmp(&b.name));
-    interfaces
+        .collect()
 }
 
 /// The first interface that leads out of this host.
 pub(super) fn outward(interfaces: &[Interface]) -> Option<&str> {
-    interfaces
-        .iter()
-        .find(|it| it.has(UP) && it.has(MULTICAST) && !it.has(LOOPBACK))
-        .map(|it| it.name.as_str())
+    let leads = |it: &&Interface| {
+        it.name != "lo"
+            && it.has(LOOPBACK) != Some(true)
+            && [UP, MULTICAST].iter().all(|flag| it.has(*flag) != Some(false))
+    };
+    interfaces.iter().find(leads).map(|it| it.name.as_str())
 }
 
 /// Whether the interface that the group's datagrams take is fit for them.
@@ -71,17 +79,25 @@ pub(super) fn interface(route: Option<&Route>, interfaces: &[Interface], asked: 
         )
         .mended_by(format!("sudo ip route replace 224.0.0.0/4 dev {wanted}"));
     }
-    let Some(known) = interfaces.iter().find(|it| it.name == name) else {
+    if name == REJECTED {
+        return finding(Verdict::Bad, format!("none: {route}")).mended_by(route.removal());
+    }
+    let flags = interfaces
+        .iter()
+        .find(|it| it.name == name)
+        .and_then(|it| it.flags);
+    let Some(flags) = flags else {
         return finding(Verdict::Good, format!("{name}, whose flags can't be read here"));
     };
-    if !known.has(UP) {
+    let has = |flag| flags & flag != 0;
+    if !has(UP) {
         finding(Verdict::Bad, format!("{name} is down")).mended_by(format!("sudo ip link set {name} up"))
-    } else if known.has(LOOPBACK) && !known.has(MULTICAST) {
+    } else if has(LOOPBACK) && !has(MULTICAST) {
         finding(
             Verdict::Good,
             format!("{name} is up; its flag MULTICAST is not set, which Linux does not ask for on loopback"),
         )
-    } else if !known.has(MULTICAST) {
+    } else if !has(MULTICAST) {
         finding(
             Verdict::Warning,
             format!("{name} is up, but its flag MULTICAST is not set"),
@@ -122,7 +138,7 @@ pub(super) fn membership(table: &str, route: Option<&Route>, group: Ipv4Addr) ->
 }
 
 /// Index and name of the interfaces in `/proc/net/igmp`.
-fn devices(table: &str) -> Vec<(String, String)> {
+fn indices(table: &str) -> Vec<(String, String)> {
     let device = |line: &str| {
         let (head, _) = line.split_once(':')?;
         let mut words = head.split_ascii_whitespace();
@@ -161,7 +177,7 @@ mod tests {
     fn route(name: &str) -> Route {
         Route {
             interface: name.to_owned(),
-            default: false,
+            destination: "224.0.0.0/4".to_owned(),
         }
     }
 
@@ -170,10 +186,10 @@ mod tests {
         assert_eq!(members(IGMP, GROUP), ["eth0"]);
         assert_eq!(members(IGMP, Ipv4Addr::new(224, 0, 0, 1)), ["lo", "eth0"]);
         assert_eq!(
-            devices(IGMP),
+            indices(IGMP),
             [("1", "lo"), ("4", "eth0")].map(|(i, name)| (i.to_owned(), name.to_owned()))
         );
-        assert!(members("", GROUP).is_empty() && devices("x\ny").is_empty());
+        assert!(members("", GROUP).is_empty() && indices("x\ny").is_empty());
     }
 
     #[test]
@@ -197,7 +213,7 @@ mod tests {
         ];
         let all = all.map(|(name, flags)| Interface {
             name: name.to_owned(),
-            flags,
+            flags: Some(flags),
         });
         assert_eq!(outward(&all), Some("eth0"));
         let find = |name: Option<&str>, ttl| {

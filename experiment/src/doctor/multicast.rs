@@ -91,6 +91,9 @@ pub(super) fn multicast(echo: Result<(), NoEcho>, route: Option<&Route>, asked: 
             format!("a firewall on this host forbids to send to {group}{through}: {error}"),
             "sudo iptables -I OUTPUT -d 224.0.0.0/4 -p udp -j ACCEPT".to_owned(),
         ),
+        (Err(NoEcho::Join(error) | NoEcho::Send(error)), Some(route)) if route.interface == REJECTED => {
+            (format!("can't reach {group}{through}: {error}"), route.removal())
+        }
         (Err(NoEcho::Join(error) | NoEcho::Send(error)), _) => (
             format!("can't reach {group}{through}: {error}"),
             format!("sudo ip route replace 224.0.0.0/4 dev {interface}"),
@@ -112,22 +115,36 @@ pub(super) fn multicast(echo: Result<(), NoEcho>, route: Option<&Route>, asked: 
     Finding::new("multicast", Verdict::Bad, observed).mended_by(remedy)
 }
 
+/// What stands for the interface of a route that rejects.
+pub(super) const REJECTED: &str = "*";
+
 /// How multicast leaves.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Route {
     pub(super) interface: String,
-    pub(super) default: bool,
+    /// Address and length of the mask.
+    pub(super) destination: String,
+}
+
+impl Route {
+    /// The command that takes it away.
+    pub(super) fn removal(&self) -> String {
+        format!("sudo ip route del {}", self.destination)
+    }
 }
 
 impl fmt::Display for Route {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let kind = if self.default {
-            "the default route"
-        } else {
-            "a multicast route"
+        let Self {
+            interface,
+            destination,
+        } = self;
+        let kind = match destination.as_str() {
+            "0.0.0.0/0" => "the default route".to_owned(),
+            destination => format!("the route for {destination}"),
         };
-        match self.interface.as_str() {
-            "*" => write!(f, "{kind} that rejects it"),
+        match interface.as_str() {
+            REJECTED => write!(f, "{kind}, which rejects it"),
             interface => write!(f, "{interface} ({kind})"),
         }
     }
@@ -142,18 +159,19 @@ pub(super) fn route(table: &str, group: Ipv4Addr) -> Option<Route> {
         let hex = |index: usize| u32::from_str_radix(fields.get(index)?, 16).ok();
         let (destination, flags, mask) = (hex(1)?, hex(3)?, hex(7)?);
         let metric: u32 = fields[6].parse().ok()?;
+        let length = mask.count_ones();
         (flags & UP != 0 && group & mask == destination).then(|| {
             let route = Route {
                 interface: fields[0].to_owned(),
-                default: mask == 0,
+                destination: format!("{}/{length}", Ipv4Addr::from(destination.to_ne_bytes())),
             };
-            (std::cmp::Reverse(mask.count_ones()), metric, route)
+            (std::cmp::Reverse(length), metric, route)
         })
     };
     table
         .lines()
         .skip(1)
         .filter_map(matching)
-        .min_by_key(|&(mask, metric, _)| (mask, metric))
+        .min_by_key(|&(length, metric, _)| (length, metric))
         .map(|(.., route)| route)
 }

@@ -54,12 +54,14 @@ fn the_most_specific_route_counts() {
 fn each_cause_has_its_remedy() {
     let lo = Route {
         interface: "lo".to_owned(),
-        default: false,
+        destination: "224.0.0.0/4".to_owned(),
     };
     let eth0 = Route {
         interface: "eth0".to_owned(),
-        default: true,
+        destination: "0.0.0.0/0".to_owned(),
     };
+    let table = format!("{HEADER}*\t434CFFEF\t00000000\t0201\t0\t0\t0\tFFFFFFFF\t0\t0\t0\n");
+    let rejecting = route(&table, GROUP).unwrap();
     let denied = || io::Error::from(io::ErrorKind::PermissionDenied);
     let unreachable = || io::Error::from(io::ErrorKind::NetworkUnreachable);
     let silence = || NoEcho::Silence(Duration::from_millis(500));
@@ -87,6 +89,12 @@ fn each_cause_has_its_remedy() {
             Some(&eth0),
             "through eth0 (the default route) did not come back within 500 ms",
             "-I INPUT",
+        ),
+        (
+            NoEcho::Join(unreachable()),
+            Some(&rejecting),
+            "through the route for 239.255.76.67/32, which rejects it",
+            "sudo ip route del 239.255.76.67/32",
         ),
         (silence(), Some(&lo), "firewall", "ip link set lo multicast on"),
     ];
