@@ -2,7 +2,6 @@
 
 use super::multicast::{Asked, REJECTED, Route};
 use super::{Finding, Verdict, read};
-use std::fs;
 use std::net::Ipv4Addr;
 
 const UP: u32 = 0x1;
