@@ -168,29 +168,6 @@ fn who_is_on_a_url_is_told_and_a_fault_is_bad() {
     );
 }
 
-#[test]
-fn a_url_that_is_none_and_a_cell_that_is_none_are_refused() {
-    for (arguments, error, code) in [
-        (
-            "doctor --url udpm://x",
-            "LCM URL \"udpm://x\": address \"x\" is no IPv4 address",
-            1,
-        ),
-        ("doctor --cell none.toml", "the cell none.toml can't be read", 2),
-        (
-            "task stop --cell none.toml",
-            "the cell none.toml can't be read",
-            2,
-        ),
-        ("up none.toml", "the cell none.toml can't be read", 2),
-        ("doctor --wait-s 3", "--peer", 2),
-    ] {
-        let (found, _, stderr) = touchdown(arguments);
-        assert_eq!(found, code, "{arguments}: {stderr}");
-        assert!(stderr.contains(error), "{arguments}: {stderr}");
-    }
-}
-
 /// The example units are what systemd takes.
 #[test]
 fn the_units_are_valid() {

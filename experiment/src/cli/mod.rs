@@ -31,6 +31,7 @@ use experiment::tuning::TuningError;
 use experiment::up::UpError;
 use impact::Unanswerable;
 use indicatif::{ProgressBar, ProgressStyle};
+use lcmtypes::LcmError;
 use node::scenario::{Scenario, ScenarioError};
 use serde::Serialize;
 use std::fmt::Display;
@@ -183,6 +184,8 @@ pub(crate) fn main() -> ExitCode {
             cause.is::<ScenarioError>()
                 || cause.is::<SourceError>()
                 || cause.is::<Twice>()
+                || cause.is::<WrongUsage>()
+                || matches!(cause.downcast_ref(), Some(LcmError::Url { .. }))
                 || cause.is::<Unanswerable>()
                 || cause.is::<LibraryError>()
                 || cause.is::<ImpactError>()
@@ -207,6 +210,11 @@ fn told(error: &anyhow::Error) -> String {
     }
     text
 }
+
+/// Arguments that make no sense together.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+struct WrongUsage(String);
 
 /// A list that names something twice.
 #[derive(Debug, thiserror::Error)]

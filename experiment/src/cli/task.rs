@@ -1,6 +1,6 @@
 //! `touchdown task`: ask the controller for something while it runs, and tell its answer.
 
-use super::{FAILED, print, print_json};
+use super::{FAILED, WrongUsage, print, print_json};
 use anyhow::{Context, Result, bail};
 use experiment::up::CellConfig;
 use lcmtypes::{Group, Lcm, LcmBuilder, Subscription};
@@ -15,6 +15,8 @@ use std::time::{Duration, Instant};
 /// Ask the running controller, from any host: start, stop, tare, reset, or a parameter's new value
 #[derive(clap::Args)]
 #[command(after_help = "\
+Without --url and --cell: udpm://239.255.76.67:7667?ttl=0, this host alone.
+
 After a fault: mend its cause, then `touchdown task reset` and `touchdown task start`. A reset is asked for again for
 2 s: the controller refuses it until the robot, which hears the same request, has cleared its own fault.
 
@@ -40,7 +42,7 @@ pub(crate) struct Args {
 #[derive(clap::Args)]
 pub(crate) struct Channels {
     /// LCM URL of the device channels, the one that the nodes have; where a node runs on another host it ends with
-    /// ttl=1 [default: udpm://239.255.76.67:7667?ttl=0, this host alone]
+    /// ?ttl=1
     #[arg(long)]
     url: Option<String>,
     /// The cell's file, which names that URL
@@ -77,7 +79,7 @@ impl Channels {
 }
 
 pub(crate) fn run(args: &Args) -> Result<ExitCode> {
-    let mut task = request(args)?;
+    let mut task = request(args).map_err(|error| WrongUsage(error.to_string()))?;
     let url = args.channels.named()?.unwrap_or_else(|| DEFAULT_URL.to_owned());
     let mut link = LcmBuilder::open(&url)?;
     let statuses = link.subscribe::<ControllerStatus>(64);
