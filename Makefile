@@ -16,7 +16,7 @@ tuned_laws := pd,pd-reset,proposed,impedance,ros2,fzi
 alone := --gains default,tuned --set controller.oscillation.enabled=false
 both := $(alone) --laws $(all_laws)
 
-.PHONY: help demo report laws tune maps elastic free-motion test bits bench doctor check format lint doc clean
+.PHONY: help demo report laws tune maps elastic free-motion test bits bench faults doctor check format lint doc clean
 
 help: ## list the targets (default)
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 13
@@ -82,6 +82,11 @@ bench: ## how fast simulation, sweeps and network are on this machine
 	@$(touchdown) bench controller elastic_arm
 	@$(touchdown) sweep smoke --fresh --out target/sweep/bench
 	@$(touchdown) bench network
+
+faults: ## what goes wrong in real time, when, and what comes of it (14 min): docs/faults.txt
+	@./setup.sh test cargo build --workspace --bins --locked
+	@target/debug/faults >target/faults.txt 2>target/faults.log; status=$$?; \
+		mv target/faults.txt docs/faults.txt; cat docs/faults.txt; exit $$status
 
 doctor: ## is this host fit for LCM over UDP multicast?
 	@$(build)

@@ -50,6 +50,7 @@ impl Bench {
             run_id: i64::from(port.port()),
             directory: directory.path().to_owned(),
             flags: Default::default(),
+            through: Default::default(),
         };
         Ok(Self {
             scenario: Scenario::load(&file, &overrides)?,

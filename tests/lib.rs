@@ -2,6 +2,7 @@
 
 mod cell;
 pub mod faults;
+pub mod hosts;
 mod programs;
 mod relay;
 pub mod site;

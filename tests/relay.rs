@@ -1,4 +1,4 @@
-//! A relay that joins ports of one multicast group and impairs what passes, seeded.
+//! A relay that joins ports of one multicast group, on one host or between several, and impairs what passes, seeded.
 
 use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, unbounded};
 use node::clock;
@@ -50,8 +50,8 @@ pub struct Relay {
 }
 
 impl Relay {
-    /// A relay between each set of `ports`.
-    pub fn start(sets: &[Vec<u16>], impairment: Impairment) -> io::Result<Self> {
+    /// A relay between each set of `ports`; what it sends goes `ttl` networks far, 0: stays on this host.
+    pub fn start(sets: &[Vec<u16>], ttl: u32, impairment: Impairment) -> io::Result<Self> {
         let mut relay = Self {
             stop: Arc::default(),
             lost: Arc::default(),
@@ -61,7 +61,7 @@ impl Relay {
         for ports in sets {
             // Sent from one socket, whose port tells what the relay itself has sent.
             let sender = Arc::new(UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0))?);
-            sender.set_multicast_ttl_v4(0)?;
+            sender.set_multicast_ttl_v4(ttl)?;
             let own = sender.local_addr()?.port();
             let (late, waiting) = unbounded();
             let postman = Postman {

@@ -1,6 +1,7 @@
 //! A cell in real time behind a relay, and what is heard of it.
 
 use crate::cell::{Bench, signal};
+use crate::hosts::Hosts;
 use crate::relay::{Impairment, Relay};
 use crossbeam::select;
 use experiment::launch::Cell;
@@ -37,6 +38,33 @@ pub struct Site {
     asked: i64,
     _others: [Lcm; 2],
     _world_relay: Relay,
+}
+
+/// What is run, and where.
+#[derive(Clone, Copy)]
+pub struct Setting<'a> {
+    /// Built-in scenario.
+    pub scenario: &'a str,
+    /// Changes of it.
+    pub overrides: &'a [&'a str],
+    /// What the device channels suffer.
+    pub impairment: Impairment,
+    /// Further flags by role.
+    pub flags: [&'a [&'a str]; 3],
+    /// A host for each program; `None`: all on this one.
+    pub hosts: Option<&'a Hosts>,
+}
+
+impl Default for Setting<'_> {
+    fn default() -> Self {
+        Self {
+            scenario: "paper",
+            overrides: &[],
+            impairment: Impairment::default(),
+            flags: [&[], &[], &[]],
+            hosts: None,
+        }
+    }
 }
 
 struct Subscriptions {
@@ -94,20 +122,21 @@ impl Heard {
 }
 
 impl Site {
-    /// The built-in scenario `name` with `overrides`, its device channels impaired; `flags` by role.
-    pub fn start(
-        name: &str,
-        overrides: &[&str],
-        impairment: Impairment,
-        flags: [&[&str]; 3],
-    ) -> Result<Self, Box<dyn Error>> {
+    /// As `setting` says.
+    pub fn start(setting: &Setting<'_>) -> Result<Self, Box<dyn Error>> {
         let always = ["timing.mode=realtime", "timing.duration_s=3600"];
-        let all: Vec<_> = always.iter().chain(overrides).copied().collect();
-        let mut bench = Bench::of(name, &all)?;
+        let all: Vec<_> = always.iter().chain(setting.overrides).copied().collect();
+        let mut bench = Bench::of(setting.scenario, &all)?;
         let [device, world] = bench.separate()?;
-        bench.plan.flags = flags.map(|flags| flags.iter().map(|&flag| flag.to_owned()).collect());
-        let relay = Relay::start(std::slice::from_ref(&device), impairment)?;
-        let world_relay = Relay::start(&[world], Impairment::default())?;
+        let flags = |flags: &[&str]| flags.iter().map(|&flag| flag.to_owned()).collect();
+        bench.plan.flags = setting.flags.map(flags);
+        let ttl = u32::from(setting.hosts.is_some());
+        if let Some(hosts) = setting.hosts {
+            bench.plan.through = hosts.through();
+            bench.plan.wiring.leave_host();
+        }
+        let relay = Relay::start(std::slice::from_ref(&device), ttl, setting.impairment)?;
+        let world_relay = Relay::start(&[world], ttl, Impairment::default())?;
         let mut link = LcmBuilder::open(&bench.plan.wiring.watch)?;
         // The robot's own port: what it says is heard however it is cut off.
         let mut own = LcmBuilder::open(&bench.plan.wiring.device[Role::Robot as usize])?;
@@ -186,6 +215,11 @@ impl Site {
         cell.stop()?;
         let records = [Role::Robot, Role::Sensor, Role::Controller].map(|role| bench.plan.record(role));
         Ok(transcript::from_logs(&records)?)
+    }
+
+    /// The link that is listened on.
+    pub fn link(&self) -> &Lcm {
+        &self.device
     }
 
     /// Send `what` to the node in `role`.

@@ -82,8 +82,8 @@ impl CollisionWatch {
             self.first = self.first.or(found);
             return found.map(|exceeded| exceeded.fault);
         }
-        let in_contact = matches!(allowed, Allowed::Contact { .. });
-        (in_contact && self.saturated >= SATURATED_IN_A_ROW).then_some(Fault::DeflectionSaturated)
+        // In the air, too: a sensor at the end of its range would not tell a contact.
+        (self.saturated >= SATURATED_IN_A_ROW).then_some(Fault::DeflectionSaturated)
     }
 
     /// Whether `wrench` is more than `allowed`.
@@ -209,11 +209,12 @@ mod tests {
     }
 
     #[test]
-    fn a_sensor_that_stays_at_the_end_of_its_range_in_contact_is_a_fault() {
-        let mut watch = watch();
-        let contact = in_contact(0.0);
-        let mut answers = (0..100).map(|_| watch.take(&contact, &Wrench::default(), true));
-        assert!(answers.by_ref().take(99).all(|answer| answer.is_none()));
-        assert_eq!(answers.next(), Some(Some(Fault::DeflectionSaturated)));
+    fn a_sensor_that_stays_at_the_end_of_its_range_is_a_fault() {
+        for allowed in [in_contact(0.0), FREE, Allowed::Tilting] {
+            let mut watch = watch();
+            let mut answers = (0..100).map(|_| watch.take(&allowed, &Wrench::default(), true));
+            assert!(answers.by_ref().take(99).all(|answer| answer.is_none()));
+            assert_eq!(answers.next(), Some(Some(Fault::DeflectionSaturated)));
+        }
     }
 }

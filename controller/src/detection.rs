@@ -73,6 +73,9 @@ impl Detector {
     pub fn follow(&mut self, acceleration: f64, ticks: i64) {
         let fading = libm::exp(-(ticks as f64) * TICK_S / self.fading_s);
         self.envelope = libm::fabs(acceleration).max(self.envelope * fading);
+        if let Some(cusum) = &mut self.cusum {
+            cusum.prepare();
+        }
     }
 
     /// Fire above `threshold_n` (N) from now on, as far as the noise allows.

@@ -42,7 +42,7 @@ pub const MODES: usize = 3;
 pub const HYPOTHESES: usize = 5;
 
 /// The longest sensor delay, and eleven of the longest periods until a command acts, ticks.
-const LONGEST_WAY: f64 = 100.0 + 11.0 * 12.0;
+const LONGEST_WAY: usize = 100 + 11 * 12;
 
 /// What is computed before anything runs.
 #[derive(Clone, Debug, PartialEq)]
@@ -177,20 +177,24 @@ impl Elastic {
         };
         let weights = weights(observers);
         let (acts_s, mut waypoint) = self.course.newest();
-        let ticks = libm::round((acts_s - time_s) / TICK_S).clamp(0.0, LONGEST_WAY) as i64;
+        let ticks = libm::round((acts_s - time_s) / TICK_S).clamp(0.0, LONGEST_WAY as f64) as usize;
+        let mut way = [Waypoint::default(); LONGEST_WAY];
+        for (tick, waypoint) in (1..=ticks).zip(&mut way) {
+            *waypoint = self.course.at(time_s + tick as f64 * TICK_S);
+        }
         let mut states: [State; HYPOTHESES] = std::array::from_fn(|i| {
             let object = observers[i].object();
             let mut state = observers[i].state();
-            for tick in 1..=ticks {
-                state = self.design.plants[i].tick * state;
-                place(&mut state, &self.course.at(time_s + tick as f64 * TICK_S), object);
+            for waypoint in &way[..ticks] {
+                state = self.design.plants[i].after_a_tick(&state);
+                place(&mut state, waypoint, object);
             }
             state
         });
         let period = self.design.period_s;
         // How far the deflection is from what is desired, in the mean of the hypotheses.
         let off: f64 = (0..HYPOTHESES)
-            .map(|i| weights[i] * ((self.design.plants[i].seen * states[i])[0] - aim.displacement))
+            .map(|i| weights[i] * (self.design.plants[i].deflection(&states[i]) - aim.displacement))
             .sum();
         let parameters = &self.design.parameters;
         let [linear, governed] = [parameters.linear_range, parameters.governed_range]
@@ -221,7 +225,7 @@ impl Elastic {
                 change: after,
             };
             for ((plant, state), observer) in self.design.plants.iter().zip(&mut states).zip(observers) {
-                *state = plant.period * *state + plant.input * (after - before.change);
+                *state = plant.after_a_period(state, after - before.change);
                 place(state, &waypoint, observer.object());
             }
             *motion = waypoint;

@@ -202,7 +202,11 @@ impl Controller {
     /// All messages have been checked by whoever received them.
     pub fn cycle(&mut self, heard: &Heard<'_>) -> Outputs {
         let tick = heard.tick;
-        if let Some(state) = heard.state {
+        // One that has been overtaken tells nothing.
+        let news = heard
+            .state
+            .filter(|state| state.stamp.utime >= self.newest_state_utime);
+        if let Some(state) = news {
             self.hear_robot(state, tick);
         }
         if let Some(pose) = heard.object {
@@ -211,7 +215,7 @@ impl Controller {
         let Some(state) = self.robot else {
             return self.outputs(tick, false, [Axes::zeros(); HORIZON]);
         };
-        self.follow_robot(tick, heard.state.map(|state| state.command_step));
+        self.follow_robot(tick, news.map(|state| state.command_step));
         self.hear_sensor(heard.deflections, tick);
         self.slew(tick);
         self.change_phase(tick, &state);

@@ -2,6 +2,7 @@
 
 mod lockstep;
 mod realtime;
+mod schedule;
 mod timeline;
 
 use node::shell::{Flags, Pace};

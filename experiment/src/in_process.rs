@@ -27,7 +27,7 @@ pub struct Tick {
 
 /// Run `scenario` and show each tick to `observe`.
 ///
-/// The loop's margins are not assessed, on which nothing else depends: that takes a fourth of the time of such a run, with the law
+/// The loop's margins are not assessed, on which nothing else depends: that takes a fifth of the time of such a run, with the law
 /// `elastic` more than all of it.
 pub fn run(scenario: &Scenario, observe: impl FnMut(&Tick)) {
     run_loop(scenario, &[], false, observe);

@@ -46,6 +46,9 @@ pub struct Plan {
     pub directory: PathBuf,
     /// Further flags, by role.
     pub flags: [Vec<String>; 3],
+    /// Program and arguments that start a program, by role, such as one that enters a namespace; empty: none. What is
+    /// started so does not end with this process.
+    pub through: [Vec<String>; 3],
 }
 
 /// How long a started process may take to be heard of, and how long a running robot may stay silent. Longer than
@@ -64,6 +67,14 @@ impl Wiring {
             device: all(device),
             world: all(world),
             watch: device.to_owned(),
+        }
+    }
+
+    /// Let messages leave the host, as far as the next router.
+    pub fn leave_host(&mut self) {
+        let urls = self.device.iter_mut().chain(&mut self.world);
+        for url in urls.chain([&mut self.watch]) {
+            *url = url.replace("ttl=0", "ttl=1");
         }
     }
 }

@@ -51,6 +51,7 @@ impl CellConfig {
             }
             NodeCommand {
                 role,
+                through: Vec::new(),
                 program: programs.join(role_name(role)),
                 arguments,
                 log: "info",

@@ -204,7 +204,7 @@ fn each_remedy_widens_the_margin() {
         ("fzi", &["controller.fzi.error_scale=0.1"]),
         (
             "elastic",
-            &["controller.elastic.unknown_acceleration_m_per_s2=0.06"],
+            &["controller.elastic.unknown_acceleration_m_per_s2=0.03"],
         ),
         ("elastic", &["controller.elastic.deflection_noise_m=40e-6"]),
     ] {

@@ -14,6 +14,10 @@ const KEPT: usize = 80;
 const SPAN_US: i64 = 100_000;
 /// Kept exchanges that an estimate can be based on.
 const ENOUGH: usize = 3;
+/// A clock that is farther off than the bounds allow, us, has jumped ...
+const JUMP_US: f64 = 2_000.0;
+/// ... if so many exchanges in a row say so.
+const JUMP_EXCHANGES: u32 = 5;
 /// Longer round trips say nothing, us.
 const LONGEST_US: i64 = 1_000_000;
 
@@ -49,6 +53,10 @@ pub struct ClockSync {
     best: Option<Exchange>,
     began_utime: i64,
     last_sent_utime: i64,
+    /// Exchanges in a row that contradict what is known.
+    contradicting: u32,
+    /// How far the clock has jumped, us, until that is asked for.
+    jumped_us: Option<f64>,
 }
 
 impl Default for ClockSync {
@@ -60,6 +68,8 @@ impl Default for ClockSync {
             best: None,
             began_utime: i64::MIN,
             last_sent_utime: 0,
+            contradicting: 0,
+            jumped_us: None,
         }
     }
 }
@@ -87,6 +97,9 @@ impl ClockSync {
             ahead_us: 0.5 * ((receive_utime - sent) as f64 + (send_utime - arrived_utime) as f64),
             bound_us: 0.5 * round_trip as f64,
         };
+        if self.contradicts(&exchange, arrived_utime) {
+            return Some(round_trip);
+        }
         if arrived_utime.saturating_sub(self.began_utime) >= SPAN_US {
             self.keep();
             self.began_utime = arrived_utime;
@@ -95,6 +108,30 @@ impl ClockSync {
             self.best = Some(exchange);
         }
         Some(round_trip)
+    }
+
+    /// Whether `exchange` can't be what is known of the clock. One that has jumped is measured anew: what was known of it says
+    /// nothing any more.
+    fn contradicts(&mut self, exchange: &Exchange, utime: i64) -> bool {
+        let off = self.estimate(utime).map_or(0.0, |known| {
+            let off = exchange.ahead_us - known.ahead_us;
+            let allowed = exchange.bound_us + known.bound_us + JUMP_US;
+            if libm::fabs(off) > allowed { off } else { 0.0 }
+        });
+        self.contradicting = if off == 0.0 { 0 } else { self.contradicting + 1 };
+        if self.contradicting >= JUMP_EXCHANGES {
+            *self = Self {
+                last_sent_utime: self.last_sent_utime,
+                jumped_us: Some(off),
+                ..Self::default()
+            };
+        }
+        off != 0.0
+    }
+
+    /// How far the peer's clock has jumped since this was asked last, us.
+    pub fn jump(&mut self) -> Option<f64> {
+        self.jumped_us.take()
     }
 
     fn keep(&mut self) {
@@ -191,6 +228,30 @@ mod tests {
             // 1 us of rounding in each stamp.
             prop_assert!((found.ahead_us - true_ahead_us(now)).abs() <= found.bound_us + 2.0, "{:?}", found);
         }
+    }
+
+    #[test]
+    fn a_clock_that_jumps_is_measured_anew() {
+        let (mut sync, mut now) = measured(|_| [100, 100]);
+        assert_eq!(sync.jump(), None);
+        let ahead = -1_000_000;
+        for _ in 0..200 {
+            now += 4_000;
+            let echo = ClockEcho {
+                command_send_utime: now,
+                receive_utime: now + ahead + 100,
+                send_utime: now + ahead + 400,
+            };
+            sync.take(&echo, now + 500);
+        }
+        let jump = sync.jump().unwrap();
+        assert!(
+            (jump - (ahead as f64 - true_ahead_us(now))).abs() < 200.0,
+            "{jump}"
+        );
+        assert!(sync.ready() && sync.jump().is_none());
+        let found = sync.estimate(now).unwrap();
+        assert!((found.ahead_us - ahead as f64).abs() < 10.0, "{found:?}");
     }
 
     #[test]

@@ -27,7 +27,7 @@ fn assert_same_bits_on_a_bad_network(changes: &[&str], seed: u64) -> Vec<Entry> 
         seed,
         ..Impairment::default()
     };
-    let relay = Relay::start(&ports, impairment).unwrap();
+    let relay = Relay::start(&ports, 0, impairment).unwrap();
     let said = assert_same_bits(&bench);
     assert!(relay.lost() > 100, "the relay has lost only {}", relay.lost());
     said

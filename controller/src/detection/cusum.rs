@@ -11,8 +11,10 @@ use spatial::TICK_S;
 pub struct Cusum {
     /// a, N.
     allowance_n: f64,
-    /// h, N.
-    limit_n: f64,
+    /// Standard deviation of the noise, N.
+    noise_n: f64,
+    /// h as it is known.
+    limit: Limit,
     /// S, N.
     sum_n: f64,
 }
@@ -29,24 +31,37 @@ impl Cusum {
     /// zero that is the mean of `tared` samples of the same noise.
     pub fn new(allowance_n: f64, noise_n: f64, false_alarms_per_h: f64, tared: f64) -> Self {
         let allowance_n = allowance_n.max(LEAST_ALLOWANCE * noise_n);
-        let limit_n = if noise_n > 0.0 {
-            let wanted = false_alarms_per_h * TICK_S / 3600.0;
-            noise_n * limit(allowance_n / noise_n, tared.max(10.0), wanted)
-        } else {
-            0.0
-        };
+        let wanted = false_alarms_per_h * TICK_S / 3600.0;
         Self {
             allowance_n,
-            // Where noise alone would allow it, still more than one sample's worth.
-            limit_n: limit_n.max(allowance_n),
+            noise_n,
+            limit: Limit::new(allowance_n / noise_n, tared.max(10.0), wanted),
             sum_n: 0.0,
+        }
+    }
+
+    /// Come closer to the limit, in a cycle before it is asked for: all at once costs five times as much as any other cycle.
+    pub fn prepare(&mut self) {
+        if self.noise_n > 0.0 {
+            self.limit.improve();
+        }
+    }
+
+    /// h, N.
+    fn limit_n(&mut self) -> f64 {
+        if self.noise_n > 0.0 {
+            while self.limit.improve() {}
+            // Where noise alone would allow it, still more than one sample's worth.
+            (self.noise_n * self.limit.h).max(self.allowance_n)
+        } else {
+            self.allowance_n
         }
     }
 
     /// Take the force (N) of one sample, which may be `raised_n` (N) too large; whether that is an alarm.
     pub fn take(&mut self, force_n: f64, raised_n: f64) -> bool {
         self.sum_n = (self.sum_n + force_n - self.allowance_n - raised_n).max(0.0);
-        self.sum_n > self.limit_n
+        self.sum_n > self.limit_n()
     }
 
     /// Forget what was added up.
@@ -56,29 +71,67 @@ impl Cusum {
 }
 
 /// The limit h, in standard deviations of the noise, that is passed in a share `wanted` of the samples, with an allowance
-/// `a` (likewise), where zero and that deviation rest on `tared` samples. The logarithm of that share is nearly linear in h.
-fn limit(a: f64, tared: f64, wanted: f64) -> f64 {
-    // Means over normal distributions by three points each (Gauss and Hermite): of the zero, and of the deviation.
-    let off = libm::sqrt(3.0 / tared);
-    let wider = 1.0 + libm::sqrt(1.5 / tared);
-    let narrower = 2.0 - wider;
-    let excess = |h: f64| {
+/// `a` (likewise), where zero and that deviation rest on `tared` samples. The logarithm of that share is nearly linear in h,
+/// so that the secant method finds it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Limit {
+    a: f64,
+    tared: f64,
+    wanted: f64,
+    h: f64,
+    /// Of the excess by h.
+    slope: f64,
+    /// The excess at h; `None`: not computed yet.
+    excess: Option<f64>,
+    /// Improvements that are left at most.
+    left: usize,
+}
+
+impl Limit {
+    fn new(a: f64, tared: f64, wanted: f64) -> Self {
+        Self {
+            a,
+            tared,
+            wanted,
+            h: 3.0,
+            slope: -2.0 * a,
+            excess: None,
+            left: 8,
+        }
+    }
+
+    /// One step; whether it can still become better.
+    fn improve(&mut self) -> bool {
+        let Some(before) = self.excess else {
+            self.excess = Some(self.excess_at(self.h));
+            return true;
+        };
+        if self.left == 0 {
+            return false;
+        }
+        let next = (self.h - before / self.slope).clamp(0.1, 50.0);
+        if libm::fabs(next - self.h) < 1e-4 {
+            self.left = 0;
+            return false;
+        }
+        let now = self.excess_at(next);
+        self.slope = (now - before) / (next - self.h);
+        (self.h, self.excess) = (next, Some(now));
+        self.left -= 1;
+        true
+    }
+
+    /// The logarithm of how many times too often `h` is passed.
+    fn excess_at(&self, h: f64) -> f64 {
+        // Means over normal distributions by three points each (Gauss and Hermite): of the zero, and of the deviation.
+        let off = libm::sqrt(3.0 / self.tared);
+        let wider = 1.0 + libm::sqrt(1.5 / self.tared);
+        let narrower = 2.0 - wider;
+        let a = self.a;
         let by_zero = alarms(a - off, h) + alarms(a + off, h);
         let by_deviation = alarms(a / wider, h / wider) + alarms(a / narrower, h / narrower);
-        libm::log((2.0 * alarms(a, h) + by_zero + by_deviation) / (6.0 * wanted))
-    };
-    let (mut h, mut slope) = (3.0, -2.0 * a);
-    let mut before = excess(h);
-    for _ in 0..8 {
-        let next = (h - before / slope).clamp(0.1, 50.0);
-        if libm::fabs(next - h) < 1e-4 {
-            break;
-        }
-        let now = excess(next);
-        slope = (now - before) / (next - h);
-        (h, before) = (next, now);
+        libm::log((2.0 * alarms(a, h) + by_zero + by_deviation) / (6.0 * self.wanted))
     }
-    h
 }
 
 /// Share of the samples of white noise with standard deviation 1 at which a sum with the allowance `a` passes `h`.
@@ -122,7 +175,7 @@ mod tests {
     #[test]
     fn the_limit_follows_from_the_false_alarms() {
         let [rarely, often, zeroed] = [(0.2, 200.0), (2.0, 200.0), (0.2, 1e9)]
-            .map(|(per_h, tared)| Cusum::new(0.25, 0.16, per_h, tared).limit_n);
+            .map(|(per_h, tared)| Cusum::new(0.25, 0.16, per_h, tared).limit_n());
         assert!(
             often < rarely && zeroed < rarely,
             "{rarely} N, {often} N, {zeroed} N"
@@ -131,8 +184,20 @@ mod tests {
         assert!((share * 3.6e6 / 0.2 - 1.0).abs() < 0.01, "{share}");
         let noisy = Cusum::new(0.25, 1.6, 0.2, 200.0);
         assert!((noisy.allowance_n - 2.4).abs() < 1e-12, "{noisy:?}");
-        let silent = Cusum::new(0.25, 0.0, 0.2, 200.0);
-        assert_eq!((silent.allowance_n, silent.limit_n), (0.25, 0.25));
+        let mut silent = Cusum::new(0.25, 0.0, 0.2, 200.0);
+        assert_eq!((silent.allowance_n, silent.limit_n()), (0.25, 0.25));
+    }
+
+    /// Step by step as at once, within as many cycles as there are between tare and start at T = 4 ms.
+    #[test]
+    fn the_limit_is_there_before_it_is_asked_for() {
+        let mut prepared = Cusum::new(0.25, 0.16, 0.2, 200.0);
+        let mut at_once = prepared;
+        for _ in 0..12 {
+            prepared.prepare();
+        }
+        assert!(!prepared.limit.improve());
+        assert_eq!(prepared.limit_n(), at_once.limit_n());
     }
 
     /// A ramp of 35 N/s (1 mm/s on 28 um/N): 0.25 / 0.035 and sqrt(2 0.75 / 0.035) samples, 14 instead of 24.

@@ -71,7 +71,7 @@ impl Observer {
         reading: &Reading,
         filter: &Waypoint,
     ) {
-        self.state = plant.tick * self.state;
+        self.state = plant.after_a_tick(&self.state);
         self.place(filter);
         self.spread(plant, parameters);
 
@@ -122,7 +122,7 @@ impl Observer {
 
     /// Kalman's correction by the deflection that is measured, m.
     fn correct(&mut self, plant: &Plant, noise: f64, deflection: f64) {
-        let error = deflection - (plant.seen * self.state)[0];
+        let error = deflection - plant.deflection(&self.state);
         let (shared, variance) = self.gain(plant, noise);
         let correction = shared * (error / variance);
         self.object += correction[MODAL];

@@ -144,10 +144,36 @@ impl Plant {
         })
     }
 
+    /// The `state` a tick later, but for the command filters' part, which is known.
+    pub fn after_a_tick(&self, state: &State) -> State {
+        after(&self.tick, state)
+    }
+
+    /// The same a period later, over which the filters' acceleration has changed by `change` (m/s^2).
+    pub fn after_a_period(&self, state: &State, change: f64) -> State {
+        after(&self.period, state) + self.input * change
+    }
+
+    /// The deflection in a `state`, m.
+    pub fn deflection(&self, state: &State) -> f64 {
+        (self.seen * state)[0]
+    }
+
     /// What the deflection is at rest per metre of the motors beyond the object.
     pub fn share(&self) -> f64 {
-        (self.seen * self.rest)[0]
+        self.deflection(&self.rest)
     }
+}
+
+/// `transition * state` in the rows before the command filters'; the sums run as nalgebra's.
+fn after(transition: &SMatrix<f64, STATES, STATES>, state: &State) -> State {
+    let mut next = [0.0; POSITION];
+    for (column, x) in transition.as_slice().chunks_exact(STATES).zip(state) {
+        for (sum, entry) in next.iter_mut().zip(column) {
+            *sum += entry * x;
+        }
+    }
+    State::from_fn(|i, _| next.get(i).copied().unwrap_or_default())
 }
 
 /// `exp(A h)` and the response to a held input over a tick h, by their series: nothing here is faster than some 60 Hz.

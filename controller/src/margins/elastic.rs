@@ -10,7 +10,7 @@ use super::plant::Seen;
 use crate::elastic::Design;
 use crate::elastic::observer::{ESTIMATED, MOTOR_GAINS, Observer};
 use crate::elastic::plant::{DEVIATION, MODAL, POSITION, Plant, RATE, STATES};
-use nalgebra::{Complex, SMatrix, SVector, Vector3};
+use nalgebra::{Complex, Hessenberg, RowSVector, SMatrix, SVector, Vector3};
 use node::scenario::Controller;
 use spatial::TICK_S;
 use std::f64::consts::TAU;
@@ -19,11 +19,10 @@ type C = Complex<f64>;
 /// The states without the command filters, which the law knows, and these.
 const INNER: usize = POSITION;
 const KNOWN: usize = STATES - INNER;
-/// Those and the object.
+/// Those that the observer estimates: the inner ones, and the object.
 const ALL: usize = INNER + 1;
-type Inner = SVector<C, INNER>;
-/// By way of the sensor, and by way of encoders and own commands.
-type Ways = [Inner; 2];
+type Square = SMatrix<f64, ALL, ALL>;
+type Column = SVector<f64, ALL>;
 
 /// When the Kalman filter's gain is taken, in ticks after the contact: the length of a judged run.
 const SETTLED_TICKS: usize = 1500;
@@ -31,14 +30,109 @@ const SETTLED_TICKS: usize = 1500;
 /// The law about its rest in contact.
 #[derive(Clone, Debug)]
 pub struct ElasticModel {
-    plant: Plant,
-    /// What an error of the deflection corrects of modes and object.
-    corrects: SVector<f64, ESTIMATED>,
-    /// From the newest sample's truth to the instant at which the next set-point begins to act.
-    ahead_ticks: i32,
+    observer: Observing,
+    /// What the change of the acceleration is made of: of what is observed, ...
+    by_state: Column,
+    /// ... and of the command filters, from the newest sample's truth to the instant at which the next set-point begins to
+    /// act, tick by tick.
+    by_filters: Vec<Vector3<f64>>,
     period_s: f64,
     filter_rad_per_s: f64,
     filter_damping: f64,
+}
+
+/// `Observer::take`, once its gain has settled, as `X+ = N X + ...`, in coordinates in which N is an upper Hessenberg
+/// matrix.
+#[derive(Clone, Debug)]
+struct Observing {
+    transition: Square,
+    /// By the deflection that is read.
+    by_deflection: Column,
+    /// By how far the motors are read to be from the command filters.
+    by_motors: Column,
+    /// By the command filters a tick before.
+    by_filters_before: SMatrix<f64, ALL, KNOWN>,
+    /// By their position now.
+    by_position: Column,
+}
+
+impl Observing {
+    /// With what an error of the deflection `corrects` of modes and object; and the coordinates, as the columns of a
+    /// matrix.
+    ///
+    /// The plant moves, `m = A x + B (f - o)`; the motors' error corrects by L, `m += L (q - y m)`; Kalman's gain K by
+    /// the deflection's, `d - c m - c_p (f - o)`.
+    fn new(plant: &Plant, corrects: &SVector<f64, ESTIMATED>) -> (Self, Square) {
+        let mut moved = Square::zeros();
+        moved
+            .fixed_view_mut::<INNER, INNER>(0, 0)
+            .copy_from(&plant.tick.fixed_view::<INNER, INNER>(0, 0));
+        moved
+            .fixed_view_mut::<INNER, 1>(0, INNER)
+            .copy_from(&-plant.tick.fixed_view::<INNER, 1>(0, POSITION));
+        moved[(INNER, INNER)] = 1.0;
+        let mut filters = SMatrix::<f64, ALL, KNOWN>::zeros();
+        filters
+            .fixed_view_mut::<INNER, KNOWN>(0, 0)
+            .copy_from(&plant.tick.fixed_view::<INNER, KNOWN>(0, INNER));
+        let (mut motors, mut yielded) = (Column::zeros(), RowSVector::<f64, ALL>::zeros());
+        for axis in 0..6 {
+            motors[DEVIATION + axis] = plant.axes_per_tcp[axis] * MOTOR_GAINS[0];
+            motors[RATE + axis] = plant.axes_per_tcp[axis] * (MOTOR_GAINS[1] / TICK_S);
+            yielded[DEVIATION + axis] = plant.tcp_per_axis[axis];
+        }
+        let kalman = Column::from_fn(|i, _| match i {
+            INNER => corrects[MODAL],
+            ..MODAL => corrects[i] - plant.rest[i] * corrects[MODAL],
+            _ => 0.0,
+        });
+        let mut shown = RowSVector::<f64, ALL>::zeros();
+        shown
+            .fixed_view_mut::<1, INNER>(0, 0)
+            .copy_from(&plant.seen.fixed_view::<1, INNER>(0, 0));
+        shown[INNER] = -plant.seen[POSITION];
+        let corrected = Square::identity() - kalman * shown;
+        let after_motors = corrected * (Square::identity() - motors * yielded);
+        let (coordinates, transition) = Hessenberg::new(after_motors * moved).unpack();
+        let observing = Self {
+            transition,
+            by_deflection: coordinates.tr_mul(&kalman),
+            by_motors: coordinates.tr_mul(&(corrected * motors)),
+            by_filters_before: coordinates.tr_mul(&(after_motors * filters)),
+            by_position: coordinates.tr_mul(&kalman) * -plant.seen[POSITION],
+        };
+        (observing, coordinates)
+    }
+
+    /// `(1 - N before)^-1` times the columns of `right`, by Gauss's elimination.
+    fn solve(&self, before: C, mut right: [SVector<C, ALL>; 2]) -> [SVector<C, ALL>; 2] {
+        let mut matrix = self.transition.map(|n| -before * n);
+        for i in 0..ALL {
+            matrix[(i, i)] += 1.0;
+        }
+        for j in 0..ALL - 1 {
+            if matrix[(j + 1, j)].norm_sqr() > matrix[(j, j)].norm_sqr() {
+                matrix.swap_rows(j, j + 1);
+                right.iter_mut().for_each(|column| column.swap_rows(j, j + 1));
+            }
+            let factor = matrix[(j + 1, j)] / matrix[(j, j)];
+            for k in j + 1..ALL {
+                let above = matrix[(j, k)];
+                matrix[(j + 1, k)] -= factor * above;
+            }
+            for column in &mut right {
+                let above = column[j];
+                column[j + 1] -= factor * above;
+            }
+        }
+        for column in &mut right {
+            for i in (0..ALL).rev() {
+                let known = (i + 1..ALL).fold(C::from(0.0), |sum, k| sum + matrix[(i, k)] * column[k]);
+                column[i] = (column[i] - known) / matrix[(i, i)];
+            }
+        }
+        right
+    }
 }
 
 impl ElasticModel {
@@ -51,13 +145,28 @@ impl ElasticModel {
         period_s: f64,
         sensor_delay_s: f64,
     ) -> Self {
-        let plant = *design.nearest(ratio);
+        let plant = design.nearest(ratio);
+        let corrects = Observer::gain_after(plant, &controller.elastic, SETTLED_TICKS);
+        let (observer, coordinates) = Observing::new(plant, &corrects);
         let late_s = sensor_delay_s + 1.0 / (TAU * controller.sensor_bandwidth_hz);
         let ahead_s = controller.command_delay_periods as f64 * period_s + late_s;
+        let ahead_ticks = libm::rint(ahead_s / TICK_S) as usize;
+        // The plant until the next set-point begins to act, from its end on.
+        let inner = plant.tick.fixed_view::<INNER, INNER>(0, 0);
+        let known = plant.tick.fixed_view::<INNER, KNOWN>(0, INNER);
+        let mut state: RowSVector<f64, INNER> = plant.gain.fixed_view::<1, INNER>(0, 0).into_owned();
+        let mut by_filters = vec![plant.gain.fixed_view::<1, KNOWN>(0, INNER).transpose()];
+        for _ in 0..ahead_ticks {
+            by_filters.push((state * known).transpose());
+            state *= inner;
+        }
+        by_filters.reverse();
+        let by_object: f64 = -by_filters.iter().map(|part| part[0]).sum::<f64>();
+        let by_state = Column::from_fn(|i, _| if i < INNER { state[i] } else { by_object });
         Self {
-            corrects: Observer::gain_after(&plant, &controller.elastic, SETTLED_TICKS),
-            plant,
-            ahead_ticks: libm::rint(ahead_s / TICK_S) as i32,
+            observer,
+            by_state: coordinates.tr_mul(&by_state),
+            by_filters,
             period_s,
             filter_rad_per_s: TAU * controller.filter_frequency_hz,
             filter_damping: controller.filter_damping,
@@ -71,40 +180,33 @@ impl ElasticModel {
     /// The change of the acceleration that a change by 1 m/s^2 is answered with, once it has gone around the loop. (Of
     /// the set-points the same holds: they follow from it.)
     pub(super) fn answer(&self, s: C, seen: &Seen) -> Answer {
-        let (z, tick) = (exp(s * self.period_s), exp(s * TICK_S));
+        let (z, before) = (exp(s * self.period_s), exp(-s * TICK_S));
         let acts = self.filters(z);
-        let sampled = acts * tick.powi(-self.ahead_ticks);
+        let ahead_ticks = (self.by_filters.len() - 1) as f64;
+        let sampled = acts * exp(-s * (ahead_ticks * TICK_S));
         let w = self.filter_rad_per_s;
         // The set-point that brings the filters there, at the end of the period.
         let setpoint = z * (acts[0] + acts[1] * (2.0 * self.filter_damping / w) + acts[2] / (w * w));
-        let readings = [seen.deflection * setpoint, seen.paired * setpoint];
-        let Some((mut states, objects)) = self.observed(tick, &sampled, readings) else {
-            return Answer {
-                by_sensor: C::from(f64::NAN),
-                by_encoder: C::from(f64::NAN),
-            };
-        };
-        // The plant until the next set-point begins to act.
-        let mut filters = sampled;
-        for _ in 0..self.ahead_ticks {
-            states = std::array::from_fn(|way| {
-                let mut known = filters * C::from(if way == 0 { 0.0 } else { 1.0 });
-                known[0] -= objects[way];
-                self.moved(&states[way], &known)
-            });
-            filters *= tick;
-        }
-        let gain = self.plant.gain;
-        let answer = |way: usize| {
-            let mut known = acts * C::from(if way == 0 { 0.0 } else { 1.0 });
-            known[0] -= objects[way];
-            let inner = (0..INNER).map(|i| states[way][i] * gain[i]);
-            let outer = (0..KNOWN).map(|i| known[i] * gain[INNER + i]);
-            -inner.chain(outer).fold(C::from(0.0), |sum, part| sum + part)
-        };
+        let motors = seen.paired * setpoint - sampled[0];
+        let deflection = seen.deflection * setpoint;
+        let observer = &self.observer;
+        // By way of the sensor, and by way of encoders and own commands.
+        let by_sensor = observer.by_deflection.map(|part| deflection * part);
+        let by_encoder = SVector::<C, ALL>::from_fn(|i, _| {
+            let now = motors * observer.by_motors[i] + sampled[0] * observer.by_position[i];
+            (0..KNOWN).fold(now, |sum, k| {
+                sum + before * sampled[k] * observer.by_filters_before[(i, k)]
+            })
+        });
+        let [by_sensor, by_encoder] = observer
+            .solve(before, [by_sensor, by_encoder])
+            .map(|state| (0..ALL).fold(C::from(0.0), |sum, i| sum - state[i] * self.by_state[i]));
+        let ways = self.by_filters.iter().fold(Vector3::<C>::zeros(), |sum, part| {
+            sum * before + part.map(C::from)
+        });
         Answer {
-            by_sensor: answer(0),
-            by_encoder: answer(1),
+            by_sensor,
+            by_encoder: by_encoder - ways.dot(&acts),
         }
     }
 
@@ -115,75 +217,5 @@ impl ElasticModel {
         let speed = (acceleration * t + 0.5 * t) * integral;
         let position = (speed * t + acceleration * (0.5 * t * t) + t * t / 6.0) * integral;
         Vector3::new(position, speed, acceleration)
-    }
-
-    /// One tick of what is not known for certain.
-    fn moved(&self, inner: &Inner, known: &Vector3<C>) -> Inner {
-        Inner::from_fn(|i, _| {
-            let own = (0..INNER).fold(C::from(0.0), |sum, j| sum + inner[j] * self.plant.tick[(i, j)]);
-            (0..KNOWN).fold(own, |sum, j| sum + known[j] * self.plant.tick[(i, INNER + j)])
-        })
-    }
-
-    /// What `Observer::take` makes of the `readings` of deflection and motors with the command filters at `sampled`:
-    /// its states and its object, by either way.
-    fn observed(&self, tick: C, sampled: &Vector3<C>, readings: [C; 2]) -> Option<(Ways, [C; 2])> {
-        let plant = &self.plant;
-        let (before, none) = (tick.inv(), C::from(0.0));
-        // Each tick, as X+ = M X + what is read: first the plant, from the states and the object before ...
-        let mut moved = SMatrix::<C, INNER, ALL>::from_fn(|i, j| match j {
-            INNER => -before * plant.tick[(i, POSITION)],
-            _ => before * plant.tick[(i, j)],
-        });
-        let mut known = self.moved(&Inner::zeros(), &(sampled * before));
-        // ... then the motors ...
-        let yielded = |column: &dyn Fn(usize) -> C| {
-            (0..6).fold(none, |sum, axis| {
-                sum + column(DEVIATION + axis) * plant.tcp_per_axis[axis]
-            })
-        };
-        let missed = |error: C, column: &mut dyn FnMut(usize, C)| {
-            for axis in 0..6 {
-                let part = error * plant.axes_per_tcp[axis];
-                column(DEVIATION + axis, part * MOTOR_GAINS[0]);
-                column(RATE + axis, part * (MOTOR_GAINS[1] / TICK_S));
-            }
-        };
-        for j in 0..ALL {
-            let error = -yielded(&|i| moved[(i, j)]);
-            missed(error, &mut |i, part| moved[(i, j)] += part);
-        }
-        let error = readings[1] - sampled[0] - yielded(&|i| known[i]);
-        missed(error, &mut |i, part| known[i] += part);
-        // ... and Kalman's correction by the deflection.
-        let shown =
-            |column: &dyn Fn(usize) -> C| (0..INNER).fold(none, |sum, i| sum + column(i) * plant.seen[i]);
-        let mut by_state = SVector::<C, ALL>::from_fn(|j, _| -shown(&|i| moved[(i, j)]));
-        by_state[INNER] += before * plant.seen[POSITION];
-        let by_reading = [
-            readings[0],
-            -shown(&|i| known[i]) - sampled[0] * plant.seen[POSITION],
-        ];
-        let corrects = SVector::<f64, ALL>::from_fn(|i, _| match i {
-            INNER => self.corrects[MODAL],
-            ..MODAL => self.corrects[i] - plant.rest[i] * self.corrects[MODAL],
-            _ => 0.0,
-        });
-        let matrix = SMatrix::<C, ALL, ALL>::from_fn(|i, j| {
-            let one = C::from(if i == j { 1.0 } else { 0.0 });
-            let held = match i {
-                INNER if j == INNER => before,
-                INNER => none,
-                _ => moved[(i, j)],
-            };
-            one - held - by_state[j] * corrects[i]
-        });
-        let right = SMatrix::<C, ALL, 2>::from_fn(|i, way| {
-            let read = if way == 1 && i < INNER { known[i] } else { none };
-            read + by_reading[way] * corrects[i]
-        });
-        let found = matrix.lu().solve(&right)?;
-        let states = [0, 1].map(|way| Inner::from_fn(|i, _| found[(i, way)]));
-        Some((states, [found[(INNER, 0)], found[(INNER, 1)]]))
     }
 }

@@ -11,6 +11,10 @@ use spatial::kinematics::{Axes, Unreachable};
 use spatial::ports::{HORIZON, LIMIT_HOLD, LIMIT_LEAD, Law};
 use std::f64::consts::TAU;
 
+/// What a held robot swings with, in accelerations of its stop: it goes on as abruptly, and both swings may add up, on gears
+/// that have just been made to ring.
+const STOPS_AND_GOES_ON: f64 = 3.0;
+
 impl Motion {
     /// Hold the set-point `commanded`, within `limits`: what is under way waits.
     pub(crate) fn hold(
@@ -22,7 +26,8 @@ impl Motion {
         let mut held = [*commanded; HORIZON];
         let bits = limits.apply(&mut held) | LIMIT_HOLD;
         self.wait(settings.period_ticks);
-        self.dynamics.advance(&held[0]);
+        let acceleration = self.dynamics.advance(&held[0]);
+        self.watch(settings, &held[0], &(acceleration * STOPS_AND_GOES_ON));
         let r_from_s = settings.kinematics.forward(&held[0]);
         let coordinates = self.frame.coordinates(&self.posture.hanging_tcp(&r_from_s));
         self.plan = Plan::stay(coordinates, held[0]);
@@ -92,12 +97,7 @@ impl Motion {
         let limited = limits.apply(&mut set_points);
         bits |= limited | if bound { LIMIT_LEAD } else { 0 };
         let acceleration = self.dynamics.advance(&set_points[0]);
-        if !pressing {
-            let acceleration = self.tcp_acceleration(settings, &set_points[0], &acceleration);
-            self.detector.follow(acceleration, settings.period_ticks);
-        } else {
-            self.detector.follow(0.0, settings.period_ticks);
-        }
+        self.watch(settings, &set_points[0], &acceleration);
         let commanded = if bound || limited != 0 {
             let r_from_s = kinematics.forward(&set_points[0]);
             self.frame.coordinates(&self.posture.hanging_tcp(&r_from_s))
@@ -110,5 +110,15 @@ impl Motion {
             commanded,
         };
         Ok((set_points, bits))
+    }
+
+    /// Tell the detection what the filters' mean `acceleration` (rad/s^2) towards the next `set_point` (rad) makes swing; in
+    /// contact nothing.
+    fn watch(&mut self, settings: &Settings, set_point: &Axes, acceleration: &Axes) {
+        let acceleration = match self.pressing() {
+            None => self.tcp_acceleration(settings, set_point, acceleration),
+            Some(_) => 0.0,
+        };
+        self.detector.follow(acceleration, settings.period_ticks);
     }
 }

@@ -1,6 +1,7 @@
 //! Real time: a cycle every T, begun by the robot's state and the deflection of its tick, whichever comes later; T/4 after
 //! the state, or after the instant at which one should have come, without what is missing.
 
+use super::schedule::{Cycle, Schedule};
 use super::timeline::Timeline;
 use controller::agenda::Agenda;
 use controller::margins::Assessment;
@@ -11,6 +12,7 @@ use lcmtypes::{Lcm, Received, Subscription};
 use node::clock;
 use node::problem::Problem;
 use node::rights;
+use node::scenario::Scenario;
 use node::shell::{Flags, RealTime, Shell};
 use spatial::TICK_US;
 use spatial::ports::{Deflections, NodeStatus, ObjectPose, RobotState, Role, Task};
@@ -30,9 +32,7 @@ struct Node {
     controller: Controller,
     agenda: Agenda,
     timeline: Timeline,
-    period_ticks: i64,
-    /// For so long cycles go on without a state.
-    longest: Duration,
+    schedule: Schedule,
     waiting: Waiting,
     /// Where margins are sent once they are found, and taken from.
     assessments: (Sender<Assessment>, Receiver<Assessment>),
@@ -47,16 +47,6 @@ struct Waiting {
     state: Option<RobotState>,
     deflections: Option<Deflections>,
     object: Option<ObjectPose>,
-    /// Tick of the newest deflections.
-    sensor_step: Option<i64>,
-    /// Tick of the robot's newest state.
-    newest_step: Option<i64>,
-    /// Tick of the last cycle.
-    last: Option<i64>,
-    /// Cycles without a state since the last one.
-    without: i64,
-    /// When the cycle begins with what is there.
-    due: Option<Instant>,
 }
 
 /// Run the node until a signal ends it.
@@ -70,8 +60,7 @@ pub(super) fn run(flags: &Flags, process: RealTime) -> anyhow::Result<Shell> {
         controller: Controller::new(scenario),
         agenda: Agenda::default(),
         timeline: Timeline::default(),
-        period_ticks: scenario.timing.command_period_ticks,
-        longest: Duration::from_secs_f64(scenario.controller.stale_fault_s),
+        schedule: schedule(scenario),
         waiting: Waiting::default(),
         assessments: bounded(4),
         next_look: clock::now() + LOOK,
@@ -93,7 +82,7 @@ impl Node {
     fn step(&mut self) -> Result<bool, RecvError> {
         self.process.keep_status(&self.device, &[&self.device]);
         let status = self.process.status_due();
-        let wake = self.waiting.due.map_or(status, |due| due.min(status));
+        let wake = self.schedule.due().map_or(status, |due| due.min(status));
         let pause = wake.saturating_duration_since(clock::now());
         let outcome = select! {
             recv(self.states.receiver()) -> received => received.map(|it| self.take_state(&it)),
@@ -108,8 +97,8 @@ impl Node {
             self.process.shell.report(&Problem::LinkEnded);
         }
         outcome?;
-        if self.waiting.due.is_some_and(|due| clock::now() >= due) {
-            self.cycle();
+        if let Some(begun) = self.schedule.begin(clock::now()) {
+            self.cycle(begun);
         }
         Ok(true)
     }
@@ -125,25 +114,10 @@ impl Node {
             let round_trip = Duration::from_micros(us.unsigned_abs());
             self.process.shell.health.round_trip(round_trip);
         }
-        if self.waiting.newest_step.is_some_and(|newest| step <= newest) {
-            return;
+        if let Some(lost) = self.schedule.take_state(step, *received_at) {
+            self.process.shell.health.link().lost += lost;
+            self.waiting.state = Some(self.timeline.place_state(message));
         }
-        let gap = self
-            .waiting
-            .newest_step
-            .map_or(0, |newest| (step - newest) / self.period_ticks - 1);
-        self.process.shell.health.link().lost += gap.max(0);
-        self.waiting.newest_step = Some(step);
-        self.waiting.state = Some(self.timeline.place_state(message));
-        self.waiting.without = 0;
-        self.waiting.due = Some(match self.waiting.last {
-            // Its cycle has been run without it: the next one is due when the robot is there.
-            Some(last) if step <= last => {
-                *received_at + self.ticks(last + self.period_ticks - step) + self.patience()
-            }
-            _ if self.waiting.sensor_step.is_some_and(|sensor| sensor >= step) => *received_at,
-            _ => *received_at + self.patience(),
-        });
     }
 
     fn take_deflections(&mut self, received: &Received<Deflections>) {
@@ -154,18 +128,9 @@ impl Node {
         }
         let arrived = self.process.utime(*received_at);
         self.timeline.sensor.take(&message.echo, arrived);
-        if self.waiting.sensor_step.is_some_and(|newest| step <= newest) {
-            return;
-        }
-        self.waiting.sensor_step = Some(step);
-        // Of two messages since the last cycle the newer one has most of what the older one had, but what it marks as
-        // known would be lost: samples are placed when they are used.
-        self.waiting.deflections = Some(*message);
-        let waits = |state: &RobotState| {
-            step >= state.stamp.step && self.waiting.last.is_none_or(|last| state.stamp.step > last)
-        };
-        if self.waiting.state.as_ref().is_some_and(waits) {
-            self.waiting.due = Some(*received_at);
+        if let Some(lost) = self.schedule.take_deflections(step, *received_at) {
+            self.process.shell.health.link().lost += lost;
+            self.waiting.deflections = Some(*message);
         }
     }
 
@@ -191,11 +156,13 @@ impl Node {
             // Another robot, or the same one after a restart: nothing that was known holds.
             Some(Role::Robot) => {
                 self.controller = Controller::new(&self.process.shell.scenario);
+                self.schedule = schedule(&self.process.shell.scenario);
                 (self.waiting, self.timeline) = (Waiting::default(), Timeline::default());
             }
             Some(Role::Sensor) => {
                 self.timeline.forget_sensor();
-                (self.waiting.sensor_step, self.waiting.deflections) = (None, None);
+                self.schedule.forget_sensor();
+                self.waiting.deflections = None;
             }
             _ => {}
         }
@@ -206,33 +173,21 @@ impl Node {
         !self.process.shell.health.faulty()
     }
 
-    /// How long a cycle waits for what it lacks.
-    fn patience(&self) -> Duration {
-        self.period() / 4
-    }
-
-    fn period(&self) -> Duration {
-        self.ticks(self.period_ticks)
-    }
-
-    fn ticks(&self, ticks: i64) -> Duration {
-        Duration::from_micros(ticks.saturating_mul(TICK_US).unsigned_abs())
-    }
-
     /// One cycle with what is there.
-    fn cycle(&mut self) {
-        let began = self.waiting.due.take().unwrap_or_else(clock::now);
-        let state = self.waiting.state.take();
-        let next = self.waiting.last.map(|last| last + self.period_ticks);
-        let step = state.map(|state| state.stamp.step);
-        let Some(tick) = step.max(next.filter(|next| step.is_none_or(|step| step < *next))) else {
-            return;
-        };
+    fn cycle(&mut self, begun: Cycle) {
+        let Cycle {
+            tick,
+            due,
+            with_state,
+        } = begun;
+        let Waiting {
+            state,
+            deflections,
+            object,
+        } = std::mem::take(&mut self.waiting);
         let ready = self.timeline.ready();
         let utime = self.process.utime(clock::now());
-        let deflections = self.waiting.deflections.take();
         let deflections = deflections.and_then(|it| self.timeline.place_samples(&it, utime));
-        let object = self.waiting.object.take();
         let object = object.and_then(|it| self.timeline.place_object(&it, utime));
         if let Some(task) = self.agenda.due(tick).filter(|_| ready) {
             self.controller.request(&task);
@@ -251,21 +206,8 @@ impl Node {
         status.stamp = command.stamp;
         self.process.shell.publish(&self.device, &command);
         self.process.shell.publish(&self.device, &status);
-        self.process.shell.health.reach(tick, clock::now() - began);
-        self.waiting.last = Some(tick);
-        // When the next state should have come, and T/4 more. A cycle without a state began T/4 late already.
-        let came = step == Some(tick);
-        let from = if came { began + self.patience() } else { began };
-        self.waiting.due = Some(from + self.period());
-        if state.is_none() {
-            self.process.shell.health.link().missed += 1;
-            self.waiting.without += 1;
-            // Its silence has been told by then. One that comes back, its time having stood still, must not find commands
-            // of a future that it takes long to reach.
-            if self.ticks(self.waiting.without * self.period_ticks) > self.longest {
-                self.waiting.due = None;
-            }
-        }
+        self.process.shell.health.reach(tick, clock::now() - due);
+        self.process.shell.health.link().missed += i64::from(!with_state);
         self.look(now, utime);
         self.assess();
     }
@@ -296,7 +238,21 @@ impl Node {
             return;
         }
         self.next_look = now + LOOK;
-        let most_us = 0.25 * (self.period_ticks * TICK_US) as f64;
+        let clocks = [
+            (Role::Robot, &mut self.timeline.robot),
+            (Role::Sensor, &mut self.timeline.sensor),
+        ];
+        for (role, clock) in clocks {
+            if let Some(us) = clock.jump() {
+                tracing::warn!(
+                    "the clock of {} has jumped by {:.3} s; it is measured anew",
+                    node::greeting::role_name(role),
+                    1e-6 * us
+                );
+            }
+        }
+        let period_ticks = self.process.shell.scenario.timing.command_period_ticks;
+        let most_us = 0.25 * (period_ticks * TICK_US) as f64;
         let mut worst: f64 = 0.0;
         for (role, estimate) in [Role::Robot, Role::Sensor]
             .into_iter()
@@ -318,4 +274,9 @@ impl Node {
         }
         self.warned = exceeds;
     }
+}
+
+fn schedule(scenario: &Scenario) -> Schedule {
+    let longest = Duration::from_secs_f64(scenario.controller.stale_fault_s);
+    Schedule::new(scenario.timing.command_period_ticks, longest)
 }

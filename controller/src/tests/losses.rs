@@ -95,6 +95,7 @@ fn a_silent_robot_is_held_and_then_a_fault() {
     let mut controller = Controller::new(&scenario);
     let mut axes = scenario.start_axes().unwrap();
     let mut held = None;
+    let mut thresholds_n = Vec::new();
     let request = |count, action| Task {
         stamp: Stamp {
             step: count,
@@ -123,6 +124,7 @@ fn a_silent_robot_is_held_and_then_a_fault() {
             _ => Fault::StateStale,
         };
         assert_eq!(status.fault, expected, "tick {tick}");
+        thresholds_n.push(status.detection.threshold_n);
         let holds = status.limits & LIMIT_HOLD != 0;
         assert_eq!(holds, tick == 512 || tick == 516, "tick {tick}");
         if tick == 600 {
@@ -133,4 +135,7 @@ fn a_silent_robot_is_held_and_then_a_fault() {
             assert_eq!(command.axis_position, [still; HORIZON], "tick {tick}");
         }
     }
+    // What swings is no contact.
+    let [moving_n, stopped_n] = [508, 516].map(|tick: usize| thresholds_n[tick / 4]);
+    assert!(stopped_n > moving_n + 1.0, "{moving_n} N, {stopped_n} N");
 }

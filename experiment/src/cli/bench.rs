@@ -197,6 +197,7 @@ fn lockstep_rates(
         run_id: i64::from(std::process::id()),
         directory: directory.to_owned(),
         flags: Default::default(),
+        through: Default::default(),
     };
     let (mut rates, mut start_up_s) = (Vec::new(), 0.0);
     for _ in 0..args.repetitions {

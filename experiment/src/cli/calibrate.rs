@@ -68,6 +68,7 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
         run_id: i64::from(std::process::id()),
         directory: directory.path().to_owned(),
         flags: Default::default(),
+        through: Default::default(),
     };
     let progress = progress("calibrate {bar:40} {pos}/{len} ticks", scenario.timing.ticks());
     let entries = launch::run(&plan, &stop, |tick| progress.set_position(tick.max(0) as u64))?;

@@ -188,6 +188,7 @@ fn experiment<T>(
             run_id: i64::from(std::process::id()),
             directory: place.path().to_owned(),
             flags: Default::default(),
+            through: Default::default(),
         };
         let progress = progress("{msg:10} {bar:40} {pos}/{len} ticks", run.scenario.timing.ticks())
             .with_message(run.law.clone());

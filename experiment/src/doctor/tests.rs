@@ -23,7 +23,7 @@ fn this_host_is_examined() {
             "udp sockets",
             "other lcm",
             "real-time rights",
-            "wake-ups"
+            "wake-ups",
         ]
     );
     // The tests need multicast themselves.

@@ -24,10 +24,18 @@ pub(super) struct Node {
 impl Node {
     pub(super) fn start(node: &NodeCommand) -> Result<Self, LaunchError> {
         let role = node.role;
-        let mut command = Command::new(&node.program);
-        command
-            .args(&node.arguments)
-            .args(["--with-parent", &std::process::id().to_string()]);
+        let mut command = match node.through.split_first() {
+            None => Command::new(&node.program),
+            Some((first, rest)) => {
+                let mut command = Command::new(first);
+                command.args(rest).arg(&node.program);
+                command
+            }
+        };
+        if node.through.is_empty() {
+            command.args(["--with-parent", &std::process::id().to_string()]);
+        }
+        command.args(&node.arguments);
         if std::env::var_os("RUST_LOG").is_none() {
             command.env("RUST_LOG", node.log);
         }
@@ -81,8 +89,8 @@ impl Node {
             .ok()
             .and_then(rustix::process::Pid::from_raw);
         if let Some(id) = id {
-            // It may have ended already.
-            let _ = rustix::process::kill_process(id, signal);
+            // Its group: whatever has started it in between is not the node. It may have ended already.
+            let _ = rustix::process::kill_process_group(id, signal);
         }
     }
 

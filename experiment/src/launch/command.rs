@@ -13,6 +13,8 @@ use std::path::PathBuf;
 pub struct NodeCommand {
     /// What it plays.
     pub role: Role,
+    /// What starts it, such as a program that enters a network namespace; empty: nothing beside this process.
+    pub through: Vec<String>,
     /// Its program.
     pub program: PathBuf,
     /// Its flags.
@@ -51,6 +53,7 @@ impl Plan {
         arguments.extend(self.flags[index].iter().map(OsString::from));
         NodeCommand {
             role,
+            through: self.through[index].clone(),
             program: self.programs.join(role_name(role)),
             arguments,
             log: "warn",

@@ -128,7 +128,8 @@ impl Robot {
                 self.timer.observe(clock::now() - asked);
                 return Ok(tool);
             }
-            if !frozen && clock::now() >= asked + WORLD_SILENT {
+            // Before its first answer the sensor's side may not know yet whom it works with.
+            if !frozen && self.tool.is_some() && clock::now() >= asked + WORLD_SILENT {
                 frozen = true;
                 self.robot.latch(Fault::SimLost);
                 self.publish_state(tick, asked);
