@@ -101,6 +101,10 @@ fn two_doctors_on_two_hosts_hear_each_other() {
         .args(["doctor", "--peer", "--json", "--wait-s", "60", "--measure-s", "1"])
         .output();
     let Some(output) = output.ok().filter(|_| directory.path().join("ready").exists()) else {
+        assert!(
+            std::env::var_os("CI").is_none(),
+            "namespaces are not allowed here"
+        );
         eprintln!(
             "SKIPPED: this host does not allow network namespaces joined by a veth (unshare -Urnm, ip link add)"
         );
