@@ -53,6 +53,7 @@ impl Hosts {
 
 /// Run `body` on three hosts, in the test of this `name` (with its modules). Where namespaces are not allowed it is
 /// skipped, which is said; in continuous integration that is a failure.
+#[expect(clippy::panic, reason = "a test that can't be set up fails")]
 pub fn on_hosts(name: &str, body: impl FnOnce(&Hosts)) {
     if env::var_os(INSIDE).is_some() {
         let hosts = Hosts::set_up().unwrap_or_else(|cause| panic!("no network between the hosts: {cause}"));

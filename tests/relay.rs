@@ -28,7 +28,7 @@ pub struct Impairment {
     pub duplication: f64,
     /// Probability that one bit of it is another one.
     pub corruption: f64,
-    /// Probability of being overtaken: it takes [`OVERTAKEN`] longer.
+    /// Probability of being overtaken: it takes `OVERTAKEN` longer.
     pub reordering: f64,
     /// How long each takes at least.
     pub delay: Duration,

@@ -1,10 +1,15 @@
 //! The host check: is multicast usable here, and if not, which command mends it?
 //!
-//! Nothing is changed; [`examine`] opens sockets, sends one datagram with ttl 0 and reads `/proc`. It takes less
-//! than a second where all is well, and never more than a few.
+//! Nothing is changed; [`examine`] opens sockets, sends a few datagrams and reads `/proc` and `/sys`. It takes less than two
+//! seconds where all is well, and never more than a few. What two hosts hear of each other, [`peer`] measures.
 
+mod interface;
 mod multicast;
+mod nodes;
+pub mod peer;
 mod realtime;
+mod sockets;
+mod traffic;
 
 use std::fmt;
 use std::fs;
@@ -14,16 +19,23 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use crate::run_port::{FREE_PORTS, Heard, LCM_DEFAULT_PORT, receiver};
-use multicast::{echo, multicast, route};
+use crate::run_port::{GROUP, LCM_DEFAULT_PORT, member};
+use interface::{interface, interfaces, membership, outward};
+use lcmtypes::{Group, LcmError};
+use multicast::{Asked, echo, multicast, route};
+use sockets::{limit, receive_buffers, sockets};
 
 /// What [`examine`] asks of the host.
 #[derive(Debug, Clone)]
 pub struct Options {
+    /// LCM URL of device channels that are to be used, or are; `None`: no particular one.
+    pub url: Option<String>,
     /// How long a datagram may take to come back.
     pub echo_within: Duration,
     /// How long to listen for other LCM programs.
     pub listen: Duration,
+    /// How long to listen for nodes: longer than they are silent; zero: not at all.
+    pub listen_for_nodes: Duration,
     /// The receive buffer that holds a burst of messages, bytes.
     pub receive_buffer_bytes: u64,
 }
@@ -31,15 +43,17 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
+            url: None,
             echo_within: Duration::from_millis(500),
             listen: Duration::from_millis(200),
+            listen_for_nodes: Duration::from_millis(1200),
             receive_buffer_bytes: 2 << 20,
         }
     }
 }
 
 /// How good a [`Finding`] is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// As it should be.
@@ -73,6 +87,11 @@ impl Finding {
         }
     }
 
+    /// One that no run works with, which says itself how to mend it.
+    pub fn bad(name: &'static str, observed: impl Into<String>) -> Self {
+        Self::new(name, Verdict::Bad, observed)
+    }
+
     fn mended_by(self, remedy: impl Into<String>) -> Self {
         Self {
             remedy: Some(remedy.into()),
@@ -81,24 +100,46 @@ impl Finding {
     }
 }
 
-/// Examines this host.
-pub fn examine(options: &Options) -> Vec<Finding> {
-    vec![
+/// Examines this host, and who is heard on the URL; an error: the URL is none.
+pub fn examine(options: &Options) -> Result<Vec<Finding>, LcmError> {
+    let group = options.url.as_deref().map(Group::of).transpose()?.flatten();
+    let (address, port, ttl) = group.map_or((GROUP, LCM_DEFAULT_PORT, 0), |group| {
+        (*group.address.ip(), group.address.port(), group.ttl)
+    });
+    let route = route(&read("/proc/net/route"), address);
+    // While the group is joined, so that its membership shows.
+    let ear = member(address, 0);
+    let memberships = read("/proc/net/igmp");
+    drop(ear);
+    let interfaces = interfaces(&read("/proc/net/dev"), &memberships);
+    let asked = Asked {
+        group: address,
+        ttl,
+        outward: outward(&interfaces),
+    };
+    let mut findings = vec![
         library(lcmtypes::LCM_VERSION, &read("/proc/self/maps")),
         loopback(options.echo_within),
-        multicast(
-            echo(options.echo_within),
-            route(&read("/proc/net/route")).as_ref(),
-        ),
+        multicast(echo(address, options.echo_within), route.as_ref(), &asked),
+        interface(route.as_ref(), &interfaces, &asked),
+        membership(&memberships, route.as_ref(), address),
         receive_buffers(
             options.receive_buffer_bytes,
             ["rmem_default", "rmem_max"].map(limit),
         ),
-        sockets(&read("/proc/net/udp")),
-        default_port(options.listen),
+        sockets(&read("/proc/net/udp"), port),
+        traffic::others(address, port, options.url.is_some(), options.listen),
         realtime::rights(),
         realtime::wake_ups(),
-    ]
+    ];
+    if let Some(url) = options
+        .url
+        .as_deref()
+        .filter(|_| !options.listen_for_nodes.is_zero())
+    {
+        findings.extend(nodes::heard(url, options.listen_for_nodes));
+    }
+    Ok(findings)
 }
 
 /// The exit code of a host check: 1 if a finding is bad, else 0.
@@ -173,89 +214,6 @@ fn loopback(patience: Duration) -> Finding {
             finding(Verdict::Bad, format!("127.0.0.1 is down: {error}")).mended_by("sudo ip link set lo up")
         }
     }
-}
-
-fn limit(name: &'static str) -> (&'static str, Option<u64>) {
-    (
-        name,
-        read(&format!("/proc/sys/net/core/{name}")).trim().parse().ok(),
-    )
-}
-
-/// liblcm takes the default size for its sockets; programs may ask for more, up to the maximum.
-fn receive_buffers(wanted: u64, limits: [(&str, Option<u64>); 2]) -> Finding {
-    let shown = limits.map(|(name, bytes)| match bytes {
-        Some(bytes) => format!("net.core.{name} {bytes} bytes"),
-        None => format!("net.core.{name} can't be read here"),
-    });
-    let low = limits
-        .into_iter()
-        .filter(|(_, bytes)| bytes.is_some_and(|bytes| bytes < wanted));
-    let settings: String = low
-        .map(|(name, _)| format!(" net.core.{name}={wanted}"))
-        .collect();
-    let observed = shown.join(", ");
-    if settings.is_empty() {
-        Finding::new("receive buffer", Verdict::Good, observed)
-    } else {
-        let observed = format!("{observed}; below {wanted} bytes a burst of messages may be lost");
-        Finding::new("receive buffer", Verdict::Warning, observed)
-            .mended_by(format!("sudo sysctl -w{settings}"))
-    }
-}
-
-/// Counts the sockets of runs and of other LCM programs, and what the kernel dropped because they read too late.
-fn sockets(table: &str) -> Finding {
-    let (mut runs, mut others, mut dropped) = (0, 0, 0);
-    for line in table.lines().skip(1) {
-        let mut fields = line.split_ascii_whitespace();
-        let port = fields
-            .nth(1)
-            .and_then(|address| u16::from_str_radix(address.rsplit(':').next()?, 16).ok());
-        let count = match port {
-            Some(LCM_DEFAULT_PORT) => &mut others,
-            Some(port) if (*FREE_PORTS.start()..=FREE_PORTS.end() + 1).contains(&port) => &mut runs,
-            _ => continue,
-        };
-        *count += 1;
-        dropped += fields
-            .next_back()
-            .and_then(|drops| drops.parse::<u64>().ok())
-            .unwrap_or(0);
-    }
-    let observed = format!(
-        "{runs} on ports {}..={} (runs), {others} on {LCM_DEFAULT_PORT} (other LCM programs), \
-         {dropped} datagrams dropped by full buffers",
-        FREE_PORTS.start(),
-        FREE_PORTS.end() + 1
-    );
-    let verdict = if dropped == 0 {
-        Verdict::Good
-    } else {
-        Verdict::Warning
-    };
-    Finding::new("udp sockets", verdict, observed)
-}
-
-fn default_port(listen: Duration) -> Finding {
-    let heard = receiver(LCM_DEFAULT_PORT).and_then(|ear| Heard::within(&ear, listen));
-    let (verdict, observed) = match heard {
-        Ok(None) => (
-            Verdict::Good,
-            format!("port {LCM_DEFAULT_PORT} is silent for {} ms", listen.as_millis()),
-        ),
-        Ok(Some(heard)) => (
-            Verdict::Good,
-            format!(
-                "port {LCM_DEFAULT_PORT} carries {heard}; it does not disturb runs, which have ports of their own"
-            ),
-        ),
-        Err(error) => (
-            Verdict::Warning,
-            format!("can't listen on port {LCM_DEFAULT_PORT}: {error}"),
-        ),
-    };
-    Finding::new("other lcm", verdict, observed)
 }
 
 #[cfg(test)]

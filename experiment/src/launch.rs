@@ -1,8 +1,10 @@
 //! The three programs as child processes: started, watched, and stopped whatever happens.
 
 mod child;
+mod command;
 mod error;
 
+pub use command::{Ended, NodeCommand};
 pub use error::LaunchError;
 
 use crate::transcript::{self, Entry};
@@ -115,27 +117,32 @@ impl Cell {
     /// The same; `before` is done when only the robot, which begins the run, is still to be started.
     pub fn start_with(plan: &Plan, before: impl FnOnce()) -> Result<Self, LaunchError> {
         let mut before = Some(before);
-        let mut builder = LcmBuilder::open(&plan.wiring.watch)?;
-        let statuses = builder.subscribe(64);
-        let mut cell = Self {
-            run_id: plan.run_id,
-            nodes: Vec::new(),
-            _link: builder.start()?,
-            statuses,
-        };
+        let mut cell = Self::empty(&plan.wiring.watch, plan.run_id)?;
         for role in [Role::Sensor, Role::Controller, Role::Robot] {
             if let Some(before) = before.take_if(|_| role == Role::Robot) {
                 before();
             }
             // A failure drops the cell, which stops those already started.
-            cell.nodes.push(Node::start(plan, role)?);
+            cell.nodes.push(Node::start(&plan.command(role))?);
         }
         Ok(cell)
     }
 
+    /// A cell without nodes, of which `watch` hears.
+    fn empty(watch: &str, run_id: i64) -> Result<Self, LaunchError> {
+        let mut builder = LcmBuilder::open(watch)?;
+        let statuses = builder.subscribe(64);
+        Ok(Self {
+            run_id,
+            nodes: Vec::new(),
+            _link: builder.start()?,
+            statuses,
+        })
+    }
+
     /// Start one more node in `role`: after the end of the one before, or beside it.
     pub fn start_another(&mut self, plan: &Plan, role: Role) -> Result<(), LaunchError> {
-        self.nodes.push(Node::start(plan, role)?);
+        self.nodes.push(Node::start(&plan.command(role))?);
         Ok(())
     }
 

@@ -23,3 +23,4 @@ pub mod sweep;
 pub mod table;
 pub mod transcript;
 pub mod tuning;
+pub mod up;

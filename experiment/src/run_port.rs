@@ -122,11 +122,16 @@ fn open(port: u16) -> Result<UdpSocket, RunPortError> {
 /// A socket that receives what an LCM node on `port` (0: any free one) receives: the port is shared with other
 /// receivers, and since it is bound to all addresses, other multicast groups on the same port count too.
 pub(crate) fn receiver(port: u16) -> io::Result<UdpSocket> {
+    member(GROUP, port)
+}
+
+/// The same for another group.
+pub(crate) fn member(group: Ipv4Addr, port: u16) -> io::Result<UdpSocket> {
     let socket = Socket::new(Domain::IPV4, Type::DGRAM, Some(Protocol::UDP))?;
     socket.set_reuse_address(true)?;
     socket.set_reuse_port(true)?;
     socket.bind(&SocketAddr::from((Ipv4Addr::UNSPECIFIED, port)).into())?;
-    socket.join_multicast_v4(&GROUP, &Ipv4Addr::UNSPECIFIED)?;
+    socket.join_multicast_v4(&group, &Ipv4Addr::UNSPECIFIED)?;
     Ok(socket.into())
 }
 

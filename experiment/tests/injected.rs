@@ -1,6 +1,6 @@
 //! Each cause that a protection is there for, injected in every phase in which the robot is led: the named fault latches,
 //! the command neither jumps nor leaves what the robot executes, the robot comes to rest, and a reset brings it back.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 use controller::{Controller, Heard};
 use experiment::scenarios::Source;

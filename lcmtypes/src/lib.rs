@@ -42,6 +42,7 @@ pub use link::{Lcm, LcmBuilder};
 pub use message::{CHANNELS, Encoded, Message};
 pub use router::{RawMessage, Received, Subscription};
 pub use tally::Counters;
+pub use url::Group;
 
 /// Version of the LCM that this crate was built against.
 pub const LCM_VERSION: (i32, i32, i32) = (

@@ -14,12 +14,23 @@ pub(crate) enum Url {
 
 /// A multicast group and how to use it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Group {
-    pub(crate) address: SocketAddrV4,
+pub struct Group {
+    /// Group and port.
+    pub address: SocketAddrV4,
     /// 0: this machine, 1: this network.
-    pub(crate) ttl: u8,
+    pub ttl: u8,
     /// Kernel's receive buffer, bytes.
-    pub(crate) receive_buffer: usize,
+    pub receive_buffer: usize,
+}
+
+impl Group {
+    /// The group that `url` names; `None`: it names none, its messages stay in the process.
+    pub fn of(url: &str) -> Result<Option<Self>, LcmError> {
+        Ok(match Url::parse(url)? {
+            Url::Multicast(group) => Some(group),
+            Url::Memory => None,
+        })
+    }
 }
 
 /// liblcm's defaults.
@@ -116,6 +127,11 @@ mod tests {
         };
         assert_eq!(group.address.to_string(), "239.255.76.67:7001");
         assert_eq!((group.ttl, group.receive_buffer), (1, 65536));
+        assert_eq!(
+            Group::of("udpm://:7001?ttl=1&recv_buf_size=65536").unwrap(),
+            Some(group)
+        );
+        assert_eq!(Group::of("memq://").unwrap(), None);
     }
 
     #[test]

@@ -212,7 +212,7 @@ fn percentiles(histogram: &Histogram<u64>) -> Latencies {
 }
 
 /// The host's name, zero-padded; cut where it is longer.
-fn host() -> [u8; 32] {
+pub fn host() -> [u8; 32] {
     let mut padded = [0; 32];
     let name = rustix::system::uname();
     for (slot, byte) in padded.iter_mut().zip(name.nodename().to_bytes()) {

@@ -64,6 +64,7 @@ pub struct Shell {
 }
 
 /// What drives a node's time.
+#[expect(clippy::large_enum_variant, reason = "a process has one of it")]
 pub enum Pace {
     /// The ticks of the clock master, as fast as they come.
     Lockstep(Shell),

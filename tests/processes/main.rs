@@ -13,3 +13,4 @@ mod command;
 mod failures;
 mod programs;
 mod runs;
+mod up;

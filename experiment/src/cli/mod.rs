@@ -15,6 +15,7 @@ mod run;
 mod sweep;
 mod task;
 mod tune;
+mod up;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -27,8 +28,10 @@ pub(crate) use experiment::scenarios::word;
 use experiment::scenarios::{Source, SourceError};
 use experiment::sweep::SweepError;
 use experiment::tuning::TuningError;
+use experiment::up::UpError;
 use impact::Unanswerable;
 use indicatif::{ProgressBar, ProgressStyle};
+use lcmtypes::LcmError;
 use node::scenario::{Scenario, ScenarioError};
 use serde::Serialize;
 use std::fmt::Display;
@@ -63,6 +66,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Run(run::Args),
+    Up(up::Args),
     Task(task::Args),
     Compare(compare::Args),
     Tune(tune::Args),
@@ -153,6 +157,7 @@ pub(crate) fn main() -> ExitCode {
     node::shell::log_to_stderr();
     let outcome = match &cli.command {
         Command::Run(args) => run::run(args),
+        Command::Up(args) => up::run(args),
         Command::Task(args) => task::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Tune(args) => tune::run(args),
@@ -179,6 +184,8 @@ pub(crate) fn main() -> ExitCode {
             cause.is::<ScenarioError>()
                 || cause.is::<SourceError>()
                 || cause.is::<Twice>()
+                || cause.is::<WrongUsage>()
+                || matches!(cause.downcast_ref(), Some(LcmError::Url { .. }))
                 || cause.is::<Unanswerable>()
                 || cause.is::<LibraryError>()
                 || cause.is::<ImpactError>()
@@ -186,6 +193,7 @@ pub(crate) fn main() -> ExitCode {
                 || cause.is::<SweepError>()
                 || cause.is::<BoundError>()
                 || cause.is::<ReportError>()
+                || cause.is::<UpError>()
         };
         let wrong_usage = error.chain().any(configuration);
         ExitCode::from(if wrong_usage { WRONG_USAGE } else { FAILED })
@@ -202,6 +210,11 @@ fn told(error: &anyhow::Error) -> String {
     }
     text
 }
+
+/// Arguments that make no sense together.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+struct WrongUsage(String);
 
 /// A list that names something twice.
 #[derive(Debug, thiserror::Error)]

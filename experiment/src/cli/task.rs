@@ -1,29 +1,53 @@
 //! `touchdown task`: ask the controller for something while it runs, and tell its answer.
 
-use super::{FAILED, print, print_json};
+use super::{FAILED, WrongUsage, print, print_json};
 use anyhow::{Context, Result, bail};
-use lcmtypes::LcmBuilder;
+use experiment::up::CellConfig;
+use lcmtypes::{Group, Lcm, LcmBuilder, Subscription};
 use node::clock;
+use rustix::rand::{GetRandomFlags, getrandom};
 use serde::Serialize;
 use spatial::ports::{ControllerStatus, ParameterAnswer, Stamp, Task, TaskAction, TaskParameters};
+use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-/// Ask the running controller: start, stop, tare, reset, or a parameter's new value
+/// Ask the running controller, from any host: start, stop, tare, reset, or a parameter's new value
 #[derive(clap::Args)]
+#[command(after_help = "\
+Without --url and --cell: udpm://239.255.76.67:7667?ttl=0, this host alone.
+
+After a fault: mend its cause, then `touchdown task reset` and `touchdown task start`. A reset is asked for again for
+2 s: the controller refuses it until the robot, which hears the same request, has cleared its own fault.
+
+Exit codes:
+  0  accepted
+  1  refused, with the controller's reason, or not answered
+  2  wrong usage or cell")]
 pub(crate) struct Args {
-    /// What to do; with `set` only the parameters change
-    #[arg(value_parser = ["start", "stop", "tare", "reset", "set"])]
+    /// What to do; with `set` only the parameters change, `set-force 12` is `set desired_force_n=12`
+    #[arg(value_parser = ["start", "stop", "tare", "reset", "set", "set-force"])]
     action: String,
     /// Parameters and their new values, such as desired_force_n=12
     #[arg(value_name = "PARAMETER=VALUE")]
     parameters: Vec<String>,
-    /// LCM URL of the device channels
-    #[arg(long, default_value = "udpm://239.255.76.67:7667?ttl=0")]
-    url: String,
+    #[command(flatten)]
+    channels: Channels,
     /// Print one JSON object instead of a line
     #[arg(long)]
     json: bool,
+}
+
+/// Where a cell is heard.
+#[derive(clap::Args)]
+pub(crate) struct Channels {
+    /// LCM URL of the device channels, the one that the nodes have; where a node runs on another host it ends with
+    /// ?ttl=1
+    #[arg(long)]
+    url: Option<String>,
+    /// The cell's file, which names that URL
+    #[arg(long, value_name = "CELL.toml", conflicts_with = "url")]
+    cell: Option<PathBuf>,
 }
 
 #[derive(Serialize)]
@@ -35,37 +59,94 @@ struct Report {
     value: f64,
 }
 
-/// How long to wait for an answer.
+/// The URL of the device channels where none is named.
+const DEFAULT_URL: &str = "udpm://239.255.76.67:7667?ttl=0";
+/// As many senders are told apart; the counts of requests, which begin there, have room beyond.
+const SENDERS: i64 = 8_000_000_000_000;
+/// How long to wait for an answer, and for how long a reset is asked for again.
 const PATIENCE: Duration = Duration::from_secs(2);
 /// How long until the request is repeated.
 const REPEAT: Duration = Duration::from_millis(50);
 
+impl Channels {
+    /// The URL that was named, by itself or by a cell's file.
+    pub(super) fn named(&self) -> Result<Option<String>> {
+        match &self.cell {
+            Some(path) => Ok(Some(CellConfig::load(path)?.url)),
+            None => Ok(self.url.clone()),
+        }
+    }
+}
+
 pub(crate) fn run(args: &Args) -> Result<ExitCode> {
-    let task = request(args)?;
-    let mut link = LcmBuilder::open(&args.url)?;
+    let mut task = request(args).map_err(|error| WrongUsage(error.to_string()))?;
+    let url = args.channels.named()?.unwrap_or_else(|| DEFAULT_URL.to_owned());
+    let mut link = LcmBuilder::open(&url)?;
     let statuses = link.subscribe::<ControllerStatus>(64);
     let link = link.start()?;
     let give_up = clock::now() + PATIENCE;
+    let mut answer = None;
+    while let Some(status) = ask(&link, &statuses, &task, give_up)? {
+        answer = Some(status);
+        // The robot hears the same request, but may clear its fault after the controller has looked.
+        let early = task.action == TaskAction::Reset && status.task_answer == ParameterAnswer::FaultLatched;
+        if !early || !pause(&statuses, give_up) {
+            break;
+        }
+        task.stamp.step += 1;
+    }
+    match answer {
+        Some(status) => tell(args, &status),
+        None => bail!(
+            "no controller has answered on {url} within {} s; start one, or name its URL with --url{}",
+            PATIENCE.as_secs(),
+            match Group::of(&url) {
+                Ok(Some(Group { ttl: 0, address, .. })) =>
+                    format!(" (on another host: --url \"udpm://{address}?ttl=1\")"),
+                _ =>
+                    "; `touchdown doctor --peer` on both hosts tells whether they hear each other".to_owned(),
+            }
+        ),
+    }
+}
+
+/// Ask until the answer comes; `None`: not before `give_up`.
+fn ask(
+    link: &Lcm,
+    statuses: &Subscription<ControllerStatus>,
+    task: &Task,
+    give_up: Instant,
+) -> Result<Option<ControllerStatus>> {
     while clock::now() < give_up {
         // A repeated request is the same one to the controller.
-        link.publish(&task)?;
-        let until = clock::now() + REPEAT;
+        link.publish(task)?;
+        let until = (clock::now() + REPEAT).min(give_up);
         while let Ok(received) = statuses.receiver().recv_deadline(until) {
             if received.message.task_step == task.stamp.step {
-                return tell(args, &received.message);
+                return Ok(Some(received.message));
             }
         }
     }
-    bail!(
-        "no controller has answered on {} within {} s; start one, or name its URL with --url",
-        args.url,
-        PATIENCE.as_secs()
-    )
+    Ok(None)
+}
+
+/// Let a repeat's time pass; `false`: there is none left before `give_up`.
+fn pause(statuses: &Subscription<ControllerStatus>, give_up: Instant) -> bool {
+    let until = clock::now() + REPEAT;
+    while statuses.receiver().recv_deadline(until.min(give_up)).is_ok() {}
+    until < give_up
 }
 
 fn request(args: &Args) -> Result<Task> {
+    let mut texts = args.parameters.clone();
+    if args.action == "set-force" {
+        let [force] = args.parameters.as_slice() else {
+            bail!("set-force takes one value, the desired force in N; write `touchdown task set-force 12`");
+        };
+        texts = vec![format!("desired_force_n={force}")];
+    }
     let mut values = [None; TaskParameters::COUNT];
-    for text in &args.parameters {
+    for text in &texts {
         let (name, value) = text
             .split_once('=')
             .with_context(|| format!("{text:?} is no change of a parameter; write parameter=value"))?;
@@ -88,8 +169,10 @@ fn request(args: &Args) -> Result<Task> {
         "reset" => TaskAction::Reset,
         _ => TaskAction::None,
     };
-    // Each call is a sender of its own, whose answer is told from those to others by its count, too.
-    let sender = i64::from(std::process::id());
+    // Each call is a sender of its own, on whichever host, whose answer is told from those to others by its count, too.
+    let mut random = [0; 8];
+    getrandom(&mut random, GetRandomFlags::empty())?;
+    let sender = i64::from_le_bytes(random).rem_euclid(SENDERS) + 1;
     Ok(Task {
         stamp: Stamp {
             step: sender,

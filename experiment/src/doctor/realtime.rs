@@ -1,6 +1,7 @@
 //! Whether this host can keep time.
 
 use super::{Finding, Verdict};
+use crate::launch::programs;
 use crossbeam::channel::{RecvTimeoutError, never};
 use node::clock;
 use node::rights::{REMEDY, Wanted};
@@ -27,9 +28,17 @@ pub(super) fn rights() -> Finding {
         Verdict::Warning,
         format!("not had: {}", missing.join(", ")),
     )
-    .mended_by(format!(
-        "{REMEDY} (for each of robot-sim, sensor-sim, controller)"
-    ))
+    .mended_by(remedy())
+}
+
+/// What gives the rights to all programs.
+fn remedy() -> String {
+    let Ok(programs) = programs() else {
+        return format!("{REMEDY} (for each of robot-sim, sensor-sim, controller)");
+    };
+    let program = |name: &str| format!(" cap_sys_nice,cap_ipc_lock+ep {}", programs.join(name).display());
+    let all: String = ["robot-sim", "sensor-sim", "controller"].map(program).concat();
+    format!("sudo setcap{all}")
 }
 
 /// How late a thread with these rights, as far as they are had, wakes up for ticks of 1 ms.

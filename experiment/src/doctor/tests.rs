@@ -1,4 +1,4 @@
-use super::multicast::{NoEcho, Route};
+use super::multicast::{Asked, NoEcho, Route};
 use super::*;
 
 const HEADER: &str = "Iface\tDestination\tGateway\tFlags\tRefCnt\tUse\tMetric\tMask\tMTU\tWindow\tIRTT\n";
@@ -9,7 +9,7 @@ fn this_host_is_examined() {
         listen: Duration::from_millis(20),
         ..Options::default()
     };
-    let findings = examine(&options);
+    let findings = examine(&options).unwrap();
     let names: Vec<_> = findings.iter().map(|finding| finding.name).collect();
     assert_eq!(
         names,
@@ -17,6 +17,8 @@ fn this_host_is_examined() {
             "liblcm",
             "loopback",
             "multicast",
+            "interface",
+            "membership",
             "receive buffer",
             "udp sockets",
             "other lcm",
@@ -35,7 +37,8 @@ fn the_most_specific_route_counts() {
     let elsewhere = "eth1\t000200C0\t00000000\t0001\t0\t0\t0\t00FFFFFF\t0\t0\t0\n";
     let multicast = "lo\t000000E0\t00000000\t0001\t0\t0\t0\t000000F0\t0\t0\t0\n";
     let rejecting = "*\t000000E0\t00000000\t0201\t0\t0\t0\t000000F0\t0\t0\t0\n";
-    let through = |lines: &[&str]| route(&format!("{HEADER}{}", lines.concat())).map(|route| route.interface);
+    let through =
+        |lines: &[&str]| route(&format!("{HEADER}{}", lines.concat()), GROUP).map(|route| route.interface);
     assert_eq!(through(&[]), None);
     assert_eq!(through(&[elsewhere]), None);
     assert_eq!(
@@ -44,19 +47,21 @@ fn the_most_specific_route_counts() {
     );
     assert_eq!(through(&[default, multicast]).as_deref(), Some("lo"));
     assert_eq!(through(&[default, rejecting]).as_deref(), Some("*"));
-    assert_eq!(route("garbage\nlo x y z\n"), None);
+    assert_eq!(route("garbage\nlo x y z\n", GROUP), None);
 }
 
 #[test]
 fn each_cause_has_its_remedy() {
     let lo = Route {
         interface: "lo".to_owned(),
-        default: false,
+        destination: "224.0.0.0/4".to_owned(),
     };
     let eth0 = Route {
         interface: "eth0".to_owned(),
-        default: true,
+        destination: "0.0.0.0/0".to_owned(),
     };
+    let table = format!("{HEADER}*\t434CFFEF\t00000000\t0201\t0\t0\t0\tFFFFFFFF\t0\t0\t0\n");
+    let rejecting = route(&table, GROUP).unwrap();
     let denied = || io::Error::from(io::ErrorKind::PermissionDenied);
     let unreachable = || io::Error::from(io::ErrorKind::NetworkUnreachable);
     let silence = || NoEcho::Silence(Duration::from_millis(500));
@@ -85,10 +90,21 @@ fn each_cause_has_its_remedy() {
             "through eth0 (the default route) did not come back within 500 ms",
             "-I INPUT",
         ),
+        (
+            NoEcho::Join(unreachable()),
+            Some(&rejecting),
+            "through the route for 239.255.76.67/32, which rejects it",
+            "sudo ip route del 239.255.76.67/32",
+        ),
         (silence(), Some(&lo), "firewall", "ip link set lo multicast on"),
     ];
+    let asked = Asked {
+        group: GROUP,
+        ttl: 0,
+        outward: Some("eth0"),
+    };
     for (failure, route, observed, remedy) in cases {
-        let finding = multicast(Err(failure), route);
+        let finding = multicast(Err(failure), route, &asked);
         assert_eq!(finding.verdict, Verdict::Bad);
         assert!(finding.observed.contains(observed), "{finding:?}");
         assert!(
@@ -129,7 +145,7 @@ fn sockets_and_their_losses_are_counted() {
         line(32_000, 9),
     ]
     .concat();
-    let finding = sockets(&table);
+    let finding = sockets(&table, LCM_DEFAULT_PORT);
     assert_eq!(finding.verdict, Verdict::Warning);
     assert!(
         finding

@@ -1,6 +1,6 @@
 //! One node as a child process.
 
-use super::{LaunchError, Plan};
+use super::{LaunchError, NodeCommand};
 use node::clock;
 use node::greeting::role_name;
 use spatial::ports::{NodeStatus, Role};
@@ -22,33 +22,22 @@ pub(super) struct Node {
 }
 
 impl Node {
-    pub(super) fn start(plan: &Plan, role: Role) -> Result<Self, LaunchError> {
-        let path = plan.programs.join(role_name(role));
-        let index = role as usize;
-        let through = &plan.through[index];
-        let mut command = match through.split_first() {
-            None => Command::new(&path),
+    pub(super) fn start(node: &NodeCommand) -> Result<Self, LaunchError> {
+        let role = node.role;
+        let mut command = match node.through.split_first() {
+            None => Command::new(&node.program),
             Some((first, rest)) => {
                 let mut command = Command::new(first);
-                command.args(rest).arg(&path);
+                command.args(rest).arg(&node.program);
                 command
             }
         };
-        if through.is_empty() {
+        if node.through.is_empty() {
             command.args(["--with-parent", &std::process::id().to_string()]);
         }
-        command
-            .arg("--scenario")
-            .arg(&plan.scenario)
-            .args(["--url", &plan.wiring.device[index]])
-            .args(["--sim-url", &plan.wiring.world[index]])
-            .args(["--run-id", &plan.run_id.to_string()])
-            .arg("--record")
-            .arg(plan.record(role))
-            .args(plan.overrides.iter().flat_map(|change| ["--set", change]))
-            .args(&plan.flags[index]);
+        command.args(&node.arguments);
         if std::env::var_os("RUST_LOG").is_none() {
-            command.env("RUST_LOG", "warn");
+            command.env("RUST_LOG", node.log);
         }
         // Ctrl-C in a terminal reaches the launcher alone, which then stops the nodes.
         command
@@ -57,7 +46,7 @@ impl Node {
             .stdout(Stdio::null())
             .stderr(Stdio::piped());
         let start = |source| LaunchError::Start {
-            path: path.clone(),
+            path: node.program.clone(),
             source,
         };
         let mut child = command.spawn().map_err(start)?;
