@@ -2,7 +2,7 @@
 
 mod realtime;
 
-pub use realtime::{RealTime, RealTimeFlags};
+pub use realtime::{RealTime, RealTimeFlags, draw_boot_id};
 
 use crate::greeting::{self, role_name};
 use crate::health::{self, Health};
@@ -64,6 +64,7 @@ pub struct Shell {
 }
 
 /// What drives a node's time.
+#[expect(clippy::large_enum_variant, reason = "a process has one of it")]
 pub enum Pace {
     /// The ticks of the clock master, as fast as they come.
     Lockstep(Shell),
