@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::Command;
 use std::sync::OnceLock;
 
-/// The directory with the programs, built from the present sources in the profile of the tests.
+/// The directory with the programs (and, in `examples`, the skeleton of a driver), built from the present sources in the profile of the tests.
 ///
 /// `cargo test` builds a program only for tests of its own package, so this asks cargo, which does nothing when
 /// nothing has changed.
@@ -17,7 +17,7 @@ pub fn programs() -> PathBuf {
     BUILT
         .get_or_init(|| {
             let mut build = Command::new(env!("CARGO"));
-            build.args(["build", "--workspace", "--bins", "--quiet"]);
+            build.args(["build", "--workspace", "--bins", "--examples", "--quiet"]);
             if !cfg!(debug_assertions) {
                 build.arg("--release");
             }

@@ -4,6 +4,7 @@ pub mod bound;
 pub mod calibrate;
 pub mod compare;
 pub mod conditions;
+pub mod conform;
 pub mod detection;
 pub mod doctor;
 pub mod figure;

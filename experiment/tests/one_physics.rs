@@ -9,8 +9,8 @@
 use experiment::in_process::{self, Tick};
 use experiment::metrics::{Metrics, Recording};
 use nalgebra::Vector3;
+use node::command_path::CommandPath;
 use node::scenario::Scenario;
-use robot_sim::command_path::CommandPath;
 use robot_sim::servo::{Servo, ServoParameters};
 use sensor_sim::contacts::Contacts;
 use sensor_sim::object::Base;

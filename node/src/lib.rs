@@ -9,6 +9,9 @@
 //! | how a peer's clock differs, from four time stamps (pure) | [`clock_sync`] |
 //! | whom a node works with in real time (pure) | [`peers`] |
 //! | the robot's states, and who may command it (pure) | [`robot_states`] |
+//! | which commands a robot can execute (pure) | [`guard`] |
+//! | from set-points to each tick's (pure) | [`command_path`] |
+//! | what a robot does with commands: the three above as one (pure) | [`commanded`] |
 //! | real-time rights | [`rights`] |
 //! | flags, configuration, logging, signals, links and records of a process | [`shell`] |
 //! | what a process publishes of itself | [`health`] |
@@ -17,7 +20,10 @@
 
 pub mod clock;
 pub mod clock_sync;
+pub mod command_path;
+pub mod commanded;
 pub mod greeting;
+pub mod guard;
 pub mod health;
 pub mod lockstep;
 pub mod peers;

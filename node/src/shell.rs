@@ -2,7 +2,7 @@
 
 mod realtime;
 
-pub use realtime::{RealTime, RealTimeFlags};
+pub use realtime::{RealTime, RealTimeFlags, draw_boot_id};
 
 use crate::greeting::{self, role_name};
 use crate::health::{self, Health};

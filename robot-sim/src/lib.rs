@@ -5,18 +5,15 @@
 //! to the sensor's simulator only.
 
 pub mod arm_links;
-pub mod command_path;
 pub mod dynamics;
 pub mod gears;
-pub mod guard;
 pub mod links;
 pub mod servo;
 
-use command_path::CommandPath;
 use dynamics::{Dynamics, State};
-use guard::Guard;
 use links::Posture;
-use node::robot_states::{Answer, Heard, Patience, RobotStates};
+use node::commanded::{Commanded, STANDING_RAD_PER_S};
+use node::robot_states::Answer;
 use node::scenario::{Drives, Robot, Scenario};
 use servo::{Servo, ServoParameters};
 use spatial::kinematics::Axes;
@@ -35,26 +32,16 @@ pub struct RobotSim {
     dynamics: Dynamics,
     step_s: f64,
     steps_per_tick: usize,
-    guard: Guard,
+    commanded: Commanded,
     state: State,
     servos: [Servo; 6],
-    path: CommandPath,
     encoder: [Axes; ENCODER_SAMPLES],
     setpoint: Axes,
     /// That of `state`.
     posture: Posture,
     link: Motion,
     motor_work_j: f64,
-    patience: Patience,
-    states: RobotStates,
-    command_step: i64,
-    /// A command has been taken in this period.
-    answered: bool,
-    missed_commands: i64,
 }
-
-/// Slower than this an axis stands, rad/s.
-const STANDING_RAD_PER_S: f64 = 2e-3;
 
 impl RobotSim {
     /// The scenario's robot at rest at its start pose, tick 0.
@@ -63,14 +50,13 @@ impl RobotSim {
     pub fn new(scenario: &Scenario) -> Self {
         let robot = &scenario.robot;
         let start = scenario.start_axes();
-        let patience = patience(scenario);
-        let mut states = RobotStates::new(&patience);
-        if start.is_err() {
-            states.latch(Fault::Unreachable, -1);
-            states.pass(&patience, true);
-        }
         let dynamics = Dynamics::new(scenario);
         let position = start.unwrap_or_else(|_| dynamics.kinematics.home());
+        let mut commanded = Commanded::new(scenario, position);
+        if start.is_err() {
+            commanded.latch(Fault::Unreachable, -1);
+            commanded.pass(true);
+        }
         let (drives, link_inertia) = (robot.drives(), dynamics.links.axis_inertia());
         let steps = libm::rint(TICK_S / robot.integration_step_s).max(1.0);
         let period = scenario.timing.command_period_ticks;
@@ -85,21 +71,15 @@ impl RobotSim {
             dynamics,
             step_s: TICK_S / steps,
             steps_per_tick: steps as usize,
-            guard: Guard::new(scenario),
+            commanded,
             state,
             servos: std::array::from_fn(|axis| {
                 let parameters = servo_parameters(robot, &drives, axis, link_inertia[axis]);
                 Servo::new(parameters, position[axis])
             }),
-            path: CommandPath::new(period, robot.command_delay_periods, position),
             encoder: [position; ENCODER_SAMPLES],
             setpoint: position,
             motor_work_j: 0.0,
-            patience,
-            states,
-            command_step: -1,
-            answered: false,
-            missed_commands: 0,
         }
     }
 
@@ -133,11 +113,11 @@ impl RobotSim {
             axis_position: self.encoder,
             axis_velocity: self.state.motor_velocity,
             axis_setpoint: self.setpoint,
-            mode: self.states.mode(),
-            fault: self.states.fault(),
-            fault_axis: self.states.fault_axis(),
-            command_step: self.command_step,
-            missed_commands: self.missed_commands,
+            mode: self.commanded.states().mode(),
+            fault: self.commanded.states().fault(),
+            fault_axis: self.commanded.states().fault_axis(),
+            command_step: self.commanded.command_step(),
+            missed_commands: self.commanded.missed_commands(),
             echo: ClockEcho::default(),
             authenticity: Authenticity::default(),
         }
@@ -149,10 +129,7 @@ impl RobotSim {
         if let Some(command) = command {
             self.hear(command);
         }
-        if self.command_due() && !std::mem::take(&mut self.answered) {
-            self.missed_commands += 1;
-        }
-        self.setpoint = self.path.at(self.tick);
+        self.setpoint = self.commanded.begin(self.tick);
         let torque = Axes::from_fn(|axis, _| {
             self.servos[axis].torque(
                 self.setpoint[axis],
@@ -178,62 +155,31 @@ impl RobotSim {
             .dynamics
             .link_motion(&self.state, &self.posture, &torque, &tool_then);
         let standing = self.state.motor_velocity.amax() < STANDING_RAD_PER_S;
-        self.states.pass(&self.patience, standing);
+        self.commanded.pass(standing);
         self.tick += 1;
         self.encoder.rotate_right(1);
         self.encoder[0] = self.state.motor_position;
     }
 
-    /// Take a command; says whether it counts.
-    ///
-    /// One that can't be executed ([`guard`]) is not executed in part either: the fault latches, and the robot follows the
-    /// last good command's horizon to its end and holds. The servo's command filter keeps to the axes' acceleration then
-    /// as always: it is what brakes.
+    /// Take a command; says whether it counts. What brakes is the servo's command filter, which keeps to the axes'
+    /// acceleration then as always.
     pub fn hear(&mut self, command: &Command) -> Answer {
-        let step = command.stamp.step;
-        let heard = Heard {
-            age: self.tick - step,
-            owner: command.stamp.boot_id,
-            enable: command.enable,
-        };
-        let (guard, before) = (&self.guard, self.path.before(step));
-        let answer = self
-            .states
-            .hear(&self.patience, heard, || guard.judge(&before, command));
-        if answer != Answer::Ignored {
-            self.answered = true;
-            self.command_step = step;
-        }
-        if answer == Answer::Execute {
-            self.path.accept(self.tick, command);
-        }
-        answer
+        self.commanded.hear(self.tick, command)
     }
 
     /// Brake and latch `fault`, which comes from elsewhere.
     pub fn latch(&mut self, fault: Fault) {
-        self.states.latch(fault, -1);
+        self.commanded.latch(fault, -1);
     }
 
     /// Clear a fault; `false`: not while the robot moves, or while somebody asks for motion.
     pub fn reset(&mut self) -> bool {
-        self.states.reset(&self.patience, true)
+        self.commanded.reset(true)
     }
 
     fn stamp(&self) -> Stamp {
         Stamp::lockstep(self.tick, self.seed, Role::Robot)
     }
-}
-
-fn patience(scenario: &Scenario) -> Patience {
-    let ticks = |seconds: f64| libm::rint(seconds / TICK_S) as i64;
-    let (robot, timing) = (&scenario.robot, &scenario.timing);
-    Patience::new(
-        timing.command_period_ticks,
-        robot.command_delay_periods,
-        ticks(robot.arming_s),
-        ticks(robot.command_gap_s),
-    )
 }
 
 fn servo_parameters(robot: &Robot, drives: &Drives, axis: usize, link_inertia: f64) -> ServoParameters {

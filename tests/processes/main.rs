@@ -10,7 +10,10 @@
 mod bits;
 mod by_hand;
 mod command;
+mod conform;
 mod failures;
 mod programs;
+#[path = "../../lcmtypes/tests/wire/python.rs"]
+mod python;
 mod runs;
 mod up;

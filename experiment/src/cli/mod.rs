@@ -5,6 +5,7 @@ mod bound;
 mod calibrate;
 mod compare;
 mod conditions;
+mod conform;
 mod cycle;
 mod detection;
 mod doctor;
@@ -80,6 +81,7 @@ enum Command {
     #[command(subcommand)]
     Bench(bench::Bench),
     Doctor(doctor::Args),
+    Conform(conform::Args),
 }
 
 /// A scenario as every subcommand takes it.
@@ -170,6 +172,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Conditions(args) => conditions::run(args),
         Command::Bench(bench) => bench::run(bench),
         Command::Doctor(args) => doctor::run(args),
+        Command::Conform(args) => conform::run(args),
     };
     outcome.unwrap_or_else(|error| {
         if error

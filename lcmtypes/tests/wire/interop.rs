@@ -2,57 +2,26 @@
 
 use crate::draw::Counting;
 use crate::link::next;
+use crate::python::{self, REMEDY};
 use crate::samples::{Sample, for_all_messages};
 use crate::{expect, golden, udpm_url};
 use lcmtypes::{EventLogReader, EventLogWriter, LcmBuilder, Message};
 use spatial::ports::*;
+use std::env;
 use std::fmt::Debug;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command as Process, Stdio};
 use std::sync::LazyLock;
-use std::{env, fs};
 
-const REMEDY: &str = "apt-get install python3 python3-pip python3-venv, and let pip reach the network once; \
-                      or set LCM_PYTHON to a Python that has the package lcm 1.5.3";
+static PYTHON: LazyLock<PathBuf> = LazyLock::new(|| good(python::python()));
 
-/// A Python that has LCM: `LCM_PYTHON`, or a virtual environment below target/, made once.
-static PYTHON: LazyLock<PathBuf> = LazyLock::new(|| {
-    if let Some(python) = env::var_os("LCM_PYTHON") {
-        return python.into();
-    }
-    let environment = Path::new(env!("CARGO_TARGET_TMPDIR")).join("python-lcm-1.5.3");
-    let python = environment.join("bin/python");
-    let complete = Process::new(&python)
-        .args(["-c", "import lcm"])
-        .stderr(Stdio::null())
-        .status();
-    if !complete.is_ok_and(|status| status.success()) {
-        run(Process::new("python3")
-            .args(["-m", "venv", "--clear"])
-            .arg(&environment));
-        let install = [
-            "-m",
-            "pip",
-            "install",
-            "--quiet",
-            "--disable-pip-version-check",
-            "lcm==1.5.3",
-        ];
-        run(Process::new(&python).args(install));
-    }
-    python
-});
+fn good<T>(result: Result<T, String>) -> T {
+    result.unwrap_or_else(|error| panic!("{error}"))
+}
 
 fn run(command: &mut Process) {
-    match command.output() {
-        Ok(output) if output.status.success() => {}
-        Ok(output) => panic!(
-            "{command:?} failed: {}\n{REMEDY}",
-            String::from_utf8_lossy(&output.stderr)
-        ),
-        Err(error) => panic!("{command:?} can't be run: {error}\n{REMEDY}"),
-    }
+    good(python::run(command));
 }
 
 /// The golden values, written anew by Python if `UPDATE_GOLDEN` is set.
@@ -68,11 +37,7 @@ static GOLDEN: LazyLock<PathBuf> = LazyLock::new(|| {
 /// The script, with types that lcm-gen generates into `directory`.
 fn script(command: &str, directory: &Path, golden: &Path) -> Process {
     let types = Path::new(env!("CARGO_MANIFEST_DIR")).join("types");
-    let files = fs::read_dir(types).unwrap().map(|file| file.unwrap().path());
-    run(Process::new(env!("LCM_GEN"))
-        .args(["-p", "--ppath"])
-        .arg(directory)
-        .args(files));
+    good(python::generate(Path::new(env!("LCM_GEN")), &types, directory));
     let mut script = Process::new(&*PYTHON);
     script
         .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/interop.py"))

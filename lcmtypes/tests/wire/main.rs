@@ -8,6 +8,7 @@ mod golden;
 mod hostile;
 mod interop;
 mod link;
+mod python;
 mod round_trip;
 mod samples;
 

@@ -50,7 +50,7 @@ impl RealTime {
     /// `shell` in real time: an identity of its own, and the rights of the calling thread.
     pub fn start(shell: Shell, flags: &RealTimeFlags) -> anyhow::Result<Self> {
         let mut shell = shell;
-        let boot_id = random()?;
+        let boot_id = draw_boot_id()?;
         let started = clock::now();
         shell.health.be(boot_id, flags.wanted.ask());
         let peers = Peers::new(shell.role, boot_id, *shell.health.hello(), started);
@@ -155,7 +155,7 @@ impl RealTime {
 }
 
 /// A boot id: positive and at random.
-fn random() -> anyhow::Result<i64> {
+pub fn draw_boot_id() -> anyhow::Result<i64> {
     let mut bytes = [0; 8];
     getrandom(&mut bytes, GetRandomFlags::empty())?;
     Ok((i64::from_le_bytes(bytes) & i64::MAX).max(1))

@@ -1,4 +1,4 @@
-//! From the controller's set-points to what the servo is asked for at each tick.
+//! From the controller's set-points to what the servo is asked for at each tick: pure.
 
 use spatial::kinematics::Axes;
 use spatial::ports::{Command, HORIZON};

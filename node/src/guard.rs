@@ -1,7 +1,7 @@
-//! Which commands the robot executes, and why not the others.
+//! Which commands a robot can execute, and why not the others: pure.
 
-use node::robot_states::Verdict;
-use node::scenario::{Drives, Scenario};
+use crate::robot_states::Verdict;
+use crate::scenario::{Drives, Scenario};
 use spatial::TICK_S;
 use spatial::kinematics::Axes;
 use spatial::ports::{Check, Command, Fault};
