@@ -107,11 +107,10 @@ fn assert_same_figures(site: Site, expected: &Metrics) {
 }
 
 /// The same on three hosts, joined by a bridge and the relay, whose monotonic clocks are days apart.
-fn on_three_hosts(name: &str, overrides: &[&str]) {
+fn on_three_hosts(name: &str, scenario: &str) {
     on_hosts(name, |hosts| {
-        let overrides: Vec<_> = overrides.iter().chain(patient().overrides).copied().collect();
         let mut site = Site::start(&Setting {
-            overrides: &overrides,
+            scenario,
             impairment: ordinary(),
             hosts: Some(hosts),
             ..patient()
@@ -127,18 +126,16 @@ fn on_three_hosts(name: &str, overrides: &[&str]) {
 #[test]
 fn on_three_hosts_the_rigid_arm_presses_as_in_lockstep() {
     let _alone = alone();
-    on_three_hosts(
-        "on_three_hosts_the_rigid_arm_presses_as_in_lockstep",
-        &["robot.kinematics=arm"],
-    );
+    on_three_hosts("on_three_hosts_the_rigid_arm_presses_as_in_lockstep", "arm");
 }
 
 #[test]
-fn on_three_hosts_the_elastic_gantry_presses_as_in_lockstep() {
+fn on_three_hosts_the_elastic_arm_presses_as_in_lockstep() {
     let _alone = alone();
     on_three_hosts(
-        "on_three_hosts_the_elastic_gantry_presses_as_in_lockstep",
-        &["robot.gears=elastic"],
+        "on_three_hosts_the_elastic_arm_presses_as_in_lockstep",
+        "elastic_arm",
+        &[],
     );
 }
 
