@@ -135,7 +135,6 @@ fn on_three_hosts_the_elastic_arm_presses_as_in_lockstep() {
     on_three_hosts(
         "on_three_hosts_the_elastic_arm_presses_as_in_lockstep",
         "elastic_arm",
-        &[],
     );
 }
 
