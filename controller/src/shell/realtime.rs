@@ -34,6 +34,8 @@ struct Node {
     timeline: Timeline,
     schedule: Schedule,
     waiting: Waiting,
+    /// The devices' clocks have been known since the robot was joined.
+    begun: bool,
     /// Where margins are sent once they are found, and taken from.
     assessments: (Sender<Assessment>, Receiver<Assessment>),
     next_look: Instant,
@@ -62,6 +64,7 @@ pub(super) fn run(flags: &Flags, process: RealTime) -> anyhow::Result<Shell> {
         timeline: Timeline::default(),
         schedule: schedule(scenario),
         waiting: Waiting::default(),
+        begun: false,
         assessments: bounded(4),
         next_look: clock::now() + LOOK,
         warned: false,
@@ -158,6 +161,7 @@ impl Node {
                 self.controller = Controller::new(&self.process.shell.scenario);
                 self.schedule = schedule(&self.process.shell.scenario);
                 (self.waiting, self.timeline) = (Waiting::default(), Timeline::default());
+                self.begun = false;
             }
             Some(Role::Sensor) => {
                 self.timeline.forget_sensor();
@@ -185,17 +189,19 @@ impl Node {
             deflections,
             object,
         } = std::mem::take(&mut self.waiting);
-        let ready = self.timeline.ready();
+        // Until samples can be paired for the first time, the controller knows of nothing: its commands only carry their stamps.
+        self.begun |= self.timeline.ready();
         let utime = self.process.utime(clock::now());
         let deflections = deflections.and_then(|it| self.timeline.place_samples(&it, utime));
         let object = object.and_then(|it| self.timeline.place_object(&it, utime));
-        if let Some(task) = self.agenda.due(tick).filter(|_| ready) {
+        if self.begun
+            && let Some(task) = self.agenda.due(tick)
+        {
             self.controller.request(&task);
         }
         let outputs = self.controller.cycle(&Heard {
             tick,
-            // Until samples can be paired, the controller knows of nothing: its commands only carry their stamps.
-            state: state.as_ref().filter(|_| ready),
+            state: state.as_ref().filter(|_| self.begun),
             deflections: deflections.as_ref(),
             object: object.as_ref(),
         });

@@ -78,16 +78,14 @@ impl Robot {
     /// Tick by tick until a signal comes: the scenario's end is told, and does not end the robot.
     fn simulate(&mut self) -> Result<(), Interrupted> {
         self.wait_for(|robot| robot.node.peers().boot_id(Role::Sensor).is_some(), None)?;
-        let (mut start, mut slip) = (clock::now(), Duration::ZERO);
+        let (mut due, mut slip) = (clock::now(), Duration::ZERO);
         let last = self.node.shell.scenario.timing.ticks() - 1;
         for tick in 0.. {
-            let due = start + TICK * u32::try_from(tick).unwrap_or(u32::MAX);
             self.wait_for(|_| false, Some(due))?;
             let late = clock::now().saturating_duration_since(due);
             if late > TICK {
-                (start, slip) = (start + late, slip + late);
+                (due, slip) = (due + late, slip + late);
             }
-            let due = due.max(start + TICK * u32::try_from(tick).unwrap_or(u32::MAX));
             self.node.shell.health.wake(late, slip.as_secs_f64());
             let mut link_motion = self.robot.link_motion();
             link_motion.stamp = self.node.stamp(tick, due);
@@ -105,6 +103,7 @@ impl Robot {
                 tracing::info!("the scenario is over; the robot goes on until SIGTERM or Ctrl-C");
                 self.node.shell.health.finish();
             }
+            due += TICK;
         }
         Ok(())
     }
