@@ -83,7 +83,7 @@ bench: ## how fast simulation, sweeps and network are on this machine
 	@$(touchdown) sweep smoke --fresh --out target/sweep/bench
 	@$(touchdown) bench network
 
-faults: ## what goes wrong in real time, when, and what comes of it (8 min): docs/faults.txt
+faults: ## what goes wrong in real time, when, and what comes of it (10 min): docs/faults.txt
 	@./setup.sh test cargo build --workspace --bins --locked
 	@target/debug/faults >target/faults.txt 2>target/faults.log; status=$$?; \
 		mv target/faults.txt docs/faults.txt; cat docs/faults.txt; exit $$status
