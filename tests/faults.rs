@@ -49,7 +49,7 @@ pub struct Outcome {
     pub force_n: [f64; 2],
     /// Largest speed of an axis afterwards, and its limit, rad/s.
     pub speed_rad_per_s: [f64; 2],
-    /// Contact force once the experiment has been made again, after the injured node's restart, a reset and a start, N;
+    /// Mean contact force once the experiment has been made again, after the injured node's restart, a reset and a start, N;
     /// or how far it has come.
     pub again_n: Result<f64, String>,
 }
@@ -266,9 +266,15 @@ fn again(site: &mut Site) -> Result<f64, String> {
     let settles = site.ask(TaskAction::Reset, works)
         && (site.until(Duration::from_millis(300), goes) || site.ask(TaskAction::Start, goes))
         && site.until(LONG, |heard| heard.phase() == Some(ControllerPhase::Settled));
-    site.listen(Duration::from_millis(500));
-    let force_n = site.heard.truth.map(|truth| truth.contact_force.z);
-    force_n.filter(|_| settles).ok_or_else(|| {
+    site.listen(Duration::from_millis(200));
+    // The mean of half a second: the contact rings, and elastic gears swing.
+    let mut forces_n = Vec::new();
+    for _ in 0..50 {
+        site.listen(Duration::from_millis(10));
+        forces_n.extend(site.heard.truth.map(|truth| truth.contact_force.z));
+    }
+    let mean_n = (!forces_n.is_empty()).then(|| forces_n.iter().sum::<f64>() / forces_n.len() as f64);
+    mean_n.filter(|_| settles).ok_or_else(|| {
         let robot = site.heard.robot.map(|robot| (robot.mode, robot.fault));
         let controller = site.heard.controller;
         let controller = controller.map(|status| (status.phase, status.fault, status.task_answer));

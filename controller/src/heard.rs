@@ -49,8 +49,12 @@ impl<'a> Heard<'a> {
 }
 
 impl Controller {
-    /// Take the robot's `state` in the cycle at `tick`.
+    /// Take the robot's `state` in the cycle at `tick`. A silence that was too long is a fault although it is over: of a
+    /// controller that stood still itself no cycle has told it, and what it knows of robot and object is that old.
     pub(crate) fn hear_robot(&mut self, state: &RobotState, tick: i64) {
+        if self.motion.is_some() && self.robot_stale(tick) {
+            self.fail(Fault::StateStale);
+        }
         self.encoders.update(state);
         if state.stamp.utime > self.newest_state_utime {
             self.newest_state_utime = state.stamp.utime;
@@ -70,6 +74,10 @@ impl Controller {
     /// its state tells in the cycle at `tick`. `None`: no state, so that it is taken to have taken all.
     pub(crate) fn follow_robot(&mut self, tick: i64, command_step: Option<i64>) {
         if let Some(followed) = self.delivery.followed(tick, command_step) {
+            // Held, the robot stays where it has come to, not where it was once sent; after a collision where that was.
+            if let (Some(reached), None) = (followed.set_points().last(), self.collision.exceeded()) {
+                self.commanded = *reached;
+            }
             self.bounds.follow(&followed);
             if let Some(motion) = &mut self.motion {
                 motion.follow(&self.settings, tick, &followed);

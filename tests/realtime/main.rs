@@ -20,10 +20,10 @@ fn alone() -> MutexGuard<'static, ()> {
     MACHINE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A busy machine may hold a process up for longer than a robot would wait.
+/// A busy machine may hold a process up for longer than a robot would wait, or a controller trust what it knows.
 fn patient() -> Setting<'static> {
     Setting {
-        overrides: &["robot.command_gap_s=0.25"],
+        overrides: &["robot.command_gap_s=0.25", "controller.stale_fault_s=0.25"],
         ..Setting::default()
     }
 }

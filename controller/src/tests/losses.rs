@@ -139,3 +139,53 @@ fn a_silent_robot_is_held_and_then_a_fault() {
     let [moving_n, stopped_n] = [508, 516].map(|tick: usize| thresholds_n[tick / 4]);
     assert!(stopped_n > moving_n + 1.0, "{moving_n} N, {stopped_n} N");
 }
+
+/// No cycle tells of it meanwhile: what the controller knows is too old all the same.
+#[test]
+fn a_controller_that_stood_still_does_not_go_on() {
+    let scenario = weightless();
+    for (stood, fault) in [
+        (20, Fault::None),
+        (24, Fault::StateStale),
+        (200, Fault::StateStale),
+    ] {
+        let mut controller = Controller::new(&scenario);
+        let mut axes = scenario.start_axes().unwrap();
+        let mut last = Fault::None;
+        for tick in (0..=500).step_by(4).chain([500 + stood]) {
+            let (state, deflections) = (state(tick, axes), undeflected(tick));
+            let Outputs { command, status } = controller.cycle(&Heard::complete(&state, &deflections, None));
+            (axes, last) = (command.axis_position[0], status.fault);
+        }
+        assert_eq!(last, fault, "{stood} ms");
+    }
+}
+
+/// On its way down it stands still for 52 ms: the robot has come to the end of the horizon that it took last, and is held
+/// there. Sent back to where it was before, it would leave an object and meet it a second time.
+#[test]
+fn a_robot_that_went_on_by_its_horizon_is_held_at_its_end() {
+    let scenario = weightless();
+    let mut controller = Controller::new(&scenario);
+    let mut axes = scenario.start_axes().unwrap();
+    let mut end = axes;
+    for tick in (0..=600).step_by(4) {
+        let outputs = controller.cycle(&Heard::complete(&state(tick, axes), &undeflected(tick), None));
+        (axes, end) = (
+            outputs.command.axis_position[0],
+            outputs.command.axis_position[HORIZON - 1],
+        );
+    }
+    assert!(axes.z - end.z > 0.5e-3, "it is on its way: {} m", axes.z - end.z);
+    let mut taken = 600;
+    for tick in (652..=1000).step_by(4) {
+        let mut state = state(tick, end);
+        state.command_step = taken;
+        let Outputs { command, status } =
+            controller.cycle(&Heard::complete(&state, &undeflected(tick), None));
+        assert_eq!(status.fault, Fault::StateStale, "tick {tick}");
+        let off = (command.axis_position[0] - end).amax();
+        assert!(off < 1e-12, "tick {tick}: {off} rad from the horizon's end");
+        taken = tick;
+    }
+}
