@@ -3,7 +3,9 @@
 //! A test that needs them runs itself once more as root of namespaces of its own ([`on_hosts`]): there a bridge joins three
 //! network namespaces, and each program's monotonic clock starts elsewhere.
 
+use spatial::ports::Role;
 use std::env;
+use std::ffi::OsStr;
 use std::process::{Command, Output, Stdio};
 
 /// Set for a test that runs inside.
@@ -26,6 +28,17 @@ impl Hosts {
                 format!("ip netns exec {name} unshare --time --monotonic {ahead} --fork --kill-child");
             words.split(' ').map(str::to_owned).collect()
         })
+    }
+
+    /// `program` on the host of `role`, which has that name, by the clock of this one.
+    pub fn command(&self, role: Role, program: impl AsRef<OsStr>) -> Command {
+        let (name, ..) = HOSTS[role as usize];
+        let mut command = Command::new("ip");
+        command.args(["netns", "exec", name, "unshare", "--uts", "sh", "-c"]);
+        command
+            .args(["hostname \"$0\" && exec \"$@\"", name])
+            .arg(program);
+        command
     }
 
     fn set_up() -> Result<Self, String> {

@@ -67,61 +67,6 @@ fn two_doctors_on_one_host_hear_each_other() {
     both.iter().for_each(assert_heard);
 }
 
-/// Two network namespaces that a cable joins, each with its own route for multicast: nearly two hosts.
-#[test]
-fn two_doctors_on_two_hosts_hear_each_other() {
-    let directory = tempfile::tempdir().unwrap();
-    let script = format!(
-        "set -e\n\
-         mount -t tmpfs tmpfs /run\n\
-         mkdir /run/netns\n\
-         ip link set lo up\n\
-         ip netns add other\n\
-         ip link add veth0 type veth peer name veth1 netns other\n\
-         ip addr add 10.77.0.1/24 dev veth0\n\
-         ip link set veth0 up\n\
-         ip route add 224.0.0.0/4 dev veth0\n\
-         ip netns exec other sh -ec 'ip link set lo up; ip addr add 10.77.0.2/24 dev veth1; ip link set veth1 up; \
-         ip route add 224.0.0.0/4 dev veth1'\n\
-         touch {0}/ready\n\
-         ip netns exec other \"$@\" > {0}/other 2> {0}/other.err &\n\
-         \"$@\"\n\
-         wait\n",
-        directory.path().display()
-    );
-    let output = Command::new("unshare")
-        .args([
-            "-Urnm",
-            "sh",
-            "-c",
-            &script,
-            "sh",
-            env!("CARGO_BIN_EXE_touchdown"),
-        ])
-        .args(["doctor", "--peer", "--json", "--wait-s", "60", "--measure-s", "1"])
-        .output();
-    let Some(output) = output.ok().filter(|_| directory.path().join("ready").exists()) else {
-        assert!(
-            std::env::var_os("CI").is_none(),
-            "namespaces are not allowed here"
-        );
-        eprintln!(
-            "SKIPPED: this host does not allow network namespaces joined by a veth (unshare -Urnm, ip link add)"
-        );
-        return;
-    };
-    assert_heard(&output);
-    let here = report(&output);
-    let observed = named(&here, "multicast")["observed"].as_str().unwrap();
-    assert!(
-        observed.contains("through veth0 (the route for 224.0.0.0/4); with ttl=1"),
-        "{observed}"
-    );
-    let other: Value =
-        serde_json::from_str(&std::fs::read_to_string(directory.path().join("other")).unwrap()).unwrap();
-    assert!(other["peers"][0]["answered"].as_u64().unwrap() > 0, "{other}");
-}
-
 #[test]
 fn a_doctor_alone_names_the_probable_causes() {
     let port = port();

@@ -11,6 +11,7 @@ mod bits;
 mod by_hand;
 mod command;
 mod conform;
+mod doctor;
 mod failures;
 mod programs;
 #[path = "../../lcmtypes/tests/wire/python.rs"]

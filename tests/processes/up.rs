@@ -3,13 +3,14 @@
 use lcmtypes::LcmBuilder;
 use node::clock;
 use rustix::process::Signal;
-use spatial::ports::{RobotMode, RobotState};
+use spatial::ports::{RobotMode, RobotState, Role};
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
-use tests::{Bench, processes_naming, signal, touchdown, wait_for_end};
+use tests::hosts::on_hosts;
+use tests::{Bench, processes_naming, programs, signal, touchdown, wait_for_end};
 
 /// How long something may take that has to come.
 const LONG: Duration = Duration::from_secs(30);
@@ -179,75 +180,31 @@ fn without_nodes_it_ends_by_itself() {
     assert_eq!(alone.child.wait().unwrap().code(), Some(1));
 }
 
-/// Two hosts as nearly as one host has them: namespaces of network and name, joined by a cable.
 #[test]
 fn a_cell_on_two_hosts_from_one_file() {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path();
-    let text = "scenario = \"paper\"\nset = [\"timing.mode=realtime\", \"robot.command_gap_s=0.25\"]\nrun_id = 7\n\
-                url = \"udpm://239.255.76.67:7667?ttl=1\"\n[robot-sim]\nhost = \"robot-pc\"\n[sensor-sim]\n\
-                host = \"robot-pc\"\n[controller]\nhost = \"control-pc\"\n";
-    fs::write(path.join("cell.toml"), text).unwrap();
-    let script = "set -e\n\
-         mount -t tmpfs tmpfs /run\n\
-         mkdir /run/netns\n\
-         hostname robot-pc\n\
-         ip link set lo up\n\
-         ip netns add other\n\
-         ip link add veth0 type veth peer name veth1 netns other\n\
-         ip addr add 10.77.0.1/24 dev veth0\n\
-         ip link set veth0 up\n\
-         ip route add 224.0.0.0/4 dev veth0\n\
-         ip netns exec other sh -ec 'ip link set lo up; ip addr add 10.77.0.2/24 dev veth1; ip link set veth1 up; \
-         ip route add 224.0.0.0/4 dev veth1'\n\
-         echo ready\n\
-         ip netns exec other unshare --uts sh -c 'hostname control-pc; exec \"$0\" up \"$1\"' \"$1\" \"$2\" >control.txt 2>&1 &\n\
-         other=$!\n\
-         \"$1\" up \"$2\" &\n\
-         own=$!\n\
-         read -r _\n\
-         ip netns exec other \"$1\" task stop --cell \"$2\" && echo 'answered from there'\n\
-         read -r _\n\
-         kill $other $own\n\
-         wait $other && wait $own && echo 'ended well'\n";
-    let mut command = Command::new("unshare");
-    command
-        .args([
-            "-Urnmp",
-            "--uts",
-            "--fork",
-            "--kill-child",
-            "sh",
-            "-c",
-            script,
-            "sh",
-        ])
-        .arg(tests::programs().join("touchdown"))
-        .arg("cell.toml")
-        .current_dir(path)
-        .stdin(Stdio::piped());
-    let mut hosts = Up::start(command);
-    let first = hosts.lines.recv_timeout(LONG);
-    if first.as_deref() != Ok("ready") {
-        assert!(
-            std::env::var_os("CI").is_none(),
-            "namespaces are not allowed here"
-        );
-        eprintln!(
-            "SKIPPED: this host does not allow namespaces joined by a veth (unshare -Urnmp --uts, ip link add)"
-        );
-        return;
-    }
-    hosts.until("here, on robot-pc: sensor-sim, robot-sim");
-    hosts.until("on control-pc, for controller: touchdown up cell.toml --host control-pc");
-    hosts.until("controller  control-pc    heard");
-    hosts.until(WHOLE);
-    let mut input = hosts.child.stdin.take().unwrap();
-    std::io::Write::write_all(&mut input, b"\n").unwrap();
-    hosts.until("answered from there");
-    std::io::Write::write_all(&mut input, b"\n").unwrap();
-    hosts.until("ended well");
-    assert_eq!(hosts.child.wait().unwrap().code(), Some(0));
-    let control = fs::read_to_string(path.join("control.txt")).unwrap();
-    assert!(control.contains(WHOLE), "{control}");
+    on_hosts("up::a_cell_on_two_hosts_from_one_file", |hosts| {
+        let directory = tempfile::tempdir().unwrap();
+        let file = directory.path().join("cell.toml");
+        let text = "scenario = \"paper\"\nset = [\"timing.mode=realtime\", \"robot.command_gap_s=0.25\"]\nrun_id = 7\n\
+                    url = \"udpm://239.255.76.67:7667?ttl=1\"\n[robot-sim]\nhost = \"robot\"\n[sensor-sim]\n\
+                    host = \"robot\"\n[controller]\nhost = \"controller\"\n";
+        fs::write(&file, text).unwrap();
+        let touchdown = programs().join("touchdown");
+        let up = |role| {
+            let mut command = hosts.command(role, &touchdown);
+            command.arg("up").arg(&file);
+            Up::start(command)
+        };
+        let robots = up(Role::Robot);
+        robots.until("here, on robot: sensor-sim, robot-sim");
+        robots.until("on controller, for controller: touchdown up");
+        let controllers = up(Role::Controller);
+        robots.until("controller  controller    heard");
+        robots.until(WHOLE);
+        controllers.until(WHOLE);
+        let mut stop = hosts.command(Role::Controller, &touchdown);
+        let answer = stop.args(["task", "stop", "--cell"]).arg(&file).output().unwrap();
+        assert_eq!(answer.status.code(), Some(0), "{answer:?}");
+        assert_eq!([robots.end(), controllers.end()], [0, 0]);
+    });
 }
