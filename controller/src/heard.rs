@@ -49,10 +49,11 @@ impl<'a> Heard<'a> {
 }
 
 impl Controller {
-    /// Take the robot's `state` in the cycle at `tick`. A silence that was too long is a fault although it is over: of a
-    /// controller that stood still itself no cycle has told it, and what it knows of robot and object is that old.
-    pub(crate) fn hear_robot(&mut self, state: &RobotState, tick: i64) {
-        if self.motion.is_some() && self.robot_stale(tick) {
+    /// Take the robot's `state` in the cycle at `tick`; whether the controller itself has stood still before it for too long,
+    /// which is a fault: no cycle has told of that silence, and what it knows of robot and object is that old.
+    pub(crate) fn hear_robot(&mut self, state: &RobotState, tick: i64) -> bool {
+        let stood_still = self.motion.is_some() && self.fault == Fault::None && self.robot_stale(tick);
+        if stood_still {
             self.fail(Fault::StateStale);
         }
         self.encoders.update(state);
@@ -68,14 +69,15 @@ impl Controller {
             self.phase = ControllerPhase::Sync;
         }
         self.robot = Some(*state);
+        stood_still
     }
 
     /// Go on from the set-points that the robot follows: of the commands it has taken that of `command_step` is the newest, as
-    /// its state tells in the cycle at `tick`. `None`: no state, so that it is taken to have taken all.
-    pub(crate) fn follow_robot(&mut self, tick: i64, command_step: Option<i64>) {
+    /// its state tells in the cycle at `tick`. `None`: no state, so that it is taken to have taken all. A controller that has
+    /// `stood_still` holds it where it has come to, not where it was sent before.
+    pub(crate) fn follow_robot(&mut self, tick: i64, command_step: Option<i64>, stood_still: bool) {
         if let Some(followed) = self.delivery.followed(tick, command_step) {
-            // Held, the robot stays where it has come to, not where it was once sent; after a collision where that was.
-            if let (Some(reached), None) = (followed.set_points().last(), self.collision.exceeded()) {
+            if let (Some(reached), true) = (followed.set_points().last(), stood_still) {
                 self.commanded = *reached;
             }
             self.bounds.follow(&followed);

@@ -206,16 +206,14 @@ impl Controller {
         let news = heard
             .state
             .filter(|state| state.stamp.utime >= self.newest_state_utime);
-        if let Some(state) = news {
-            self.hear_robot(state, tick);
-        }
+        let stood_still = news.is_some_and(|state| self.hear_robot(state, tick));
         if let Some(pose) = heard.object {
             self.expectation.take(pose);
         }
         let Some(state) = self.robot else {
             return self.outputs(tick, false, [Axes::zeros(); HORIZON]);
         };
-        self.follow_robot(tick, news.map(|state| state.command_step));
+        self.follow_robot(tick, news.map(|state| state.command_step), stood_still);
         self.hear_sensor(heard.deflections, tick);
         self.slew(tick);
         self.change_phase(tick, &state);

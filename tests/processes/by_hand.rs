@@ -4,6 +4,7 @@ use lcmtypes::{Lcm, LcmBuilder, Subscription};
 use node::clock;
 use rustix::process::Signal;
 use spatial::ports::{Fault, NodeStatus, Role};
+use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 use tests::{Bench, programs, signal};
@@ -16,6 +17,10 @@ struct Node(Child);
 
 impl Node {
     fn start(bench: &Bench, role: Role, arguments: &[&str]) -> Self {
+        Self::start_with(bench, role, arguments, Stdio::null())
+    }
+
+    fn start_with(bench: &Bench, role: Role, arguments: &[&str], stderr: Stdio) -> Self {
         let wiring = &bench.plan.wiring;
         let mut command = Command::new(programs().join(node::greeting::role_name(role)));
         command
@@ -25,7 +30,7 @@ impl Node {
             .args(["--sim-url", &wiring.world[role as usize]])
             .args(["--with-parent", &std::process::id().to_string()])
             .args(arguments)
-            .stderr(Stdio::null());
+            .stderr(stderr);
         Self(command.spawn().unwrap())
     }
 }
@@ -96,6 +101,31 @@ fn a_lone_robot_names_who_is_missing_and_keeps_calm() {
     let end = clock::now() + Duration::from_secs(1);
     let count = std::iter::from_fn(|| watch.statuses.receiver().recv_deadline(end).ok()).count();
     assert!((1..=20).contains(&count), "{count} statuses in a second");
+}
+
+/// In real time nodes start in any order: who is missing is told, and waited for.
+#[test]
+fn a_lone_node_in_real_time_names_who_is_missing_and_waits() {
+    let bench = Bench::new(&[]).unwrap();
+    let watch = Watch::start(&bench);
+    let real = ["--set", "timing.mode=realtime"];
+    let mut controller = Node::start_with(&bench, Role::Controller, &real, Stdio::piped());
+    let (sender, lines) = crossbeam::channel::unbounded();
+    let stderr = BufReader::new(controller.0.stderr.take().unwrap());
+    std::thread::spawn(move || {
+        stderr
+            .lines()
+            .map_while(Result::ok)
+            .try_for_each(|line| sender.send(line))
+    });
+    let give_up = clock::now() + LIMIT;
+    let told = std::iter::from_fn(|| lines.recv_deadline(give_up).ok())
+        .any(|line| line.contains("no answer to the greeting from robot-sim and sensor-sim for 3 s"));
+    assert!(told);
+    let _others = [Role::Sensor, Role::Robot].map(|role| Node::start(&bench, role, &real));
+    watch.until(Role::Robot, |status| status.stamp.step >= 250);
+    let waited = watch.until(Role::Controller, |status| status.stamp.step >= 250);
+    assert_eq!(waited.fault, Fault::None);
 }
 
 #[test]

@@ -88,7 +88,7 @@ impl Node {
         let wake = self.schedule.due().map_or(status, |due| due.min(status));
         let pause = wake.saturating_duration_since(clock::now());
         let outcome = select! {
-            recv(self.states.receiver()) -> received => received.map(|it| self.take_states(&it)),
+            recv(self.states.receiver()) -> received => received.map(|it| self.take_state(&it)),
             recv(self.deflections.receiver()) -> received => received.map(|it| self.take_deflections(&it)),
             recv(self.object_poses.receiver()) -> received => received.map(|it| self.take_object(&it)),
             recv(self.tasks.receiver()) -> received => received.map(|it| self.take_task(it.message)),
@@ -100,19 +100,14 @@ impl Node {
             self.process.shell.report(&Problem::LinkEnded);
         }
         outcome?;
+        // A controller that has stood still goes on with the newest state, and does not make up for cycles whose time is over.
+        while let Ok(next) = self.states.receiver().try_recv() {
+            self.take_state(&next);
+        }
         if let Some(begun) = self.schedule.begin(clock::now()) {
             self.cycle(begun);
         }
         Ok(true)
-    }
-
-    /// Take a state and those that wait behind it: a controller that has stood still goes on with the newest, and does not make
-    /// up for cycles whose time is over.
-    fn take_states(&mut self, first: &Received<RobotState>) {
-        self.take_state(first);
-        while let Ok(next) = self.states.receiver().try_recv() {
-            self.take_state(&next);
-        }
     }
 
     fn take_state(&mut self, received: &Received<RobotState>) {

@@ -2,6 +2,7 @@
 
 use super::Shell;
 use crate::clock::{self, Clock, HostClock, SkewedClock};
+use crate::lockstep::PEER_SILENT;
 use crate::peers::{News, Peers, STATUS_PERIOD};
 use crate::problem::Problem;
 use crate::rights::Wanted;
@@ -44,6 +45,8 @@ pub struct RealTime {
     boot_id: i64,
     next_status: Instant,
     echo: ClockEcho,
+    /// When it is told that peers have not been heard of; `None`: it has been, or all have.
+    missing_told: Option<Instant>,
 }
 
 impl RealTime {
@@ -67,6 +70,7 @@ impl RealTime {
             boot_id,
             next_status: started,
             echo: ClockEcho::default(),
+            missing_told: Some(started + PEER_SILENT),
         })
     }
 
@@ -102,10 +106,26 @@ impl RealTime {
         }
         self.shell.untold = false;
         self.next_status = now + STATUS_PERIOD;
+        self.tell_missing(now);
         self.shell.count(links);
         let utime = self.utime(now);
         self.shell.health.set_utime(utime);
         self.shell.publish_status(device);
+    }
+
+    /// Say once, some time after the start, who has not been heard of. That is no fault: nodes start in any order.
+    fn tell_missing(&mut self, now: Instant) {
+        if self.missing_told.take_if(|due| now >= *due).is_none() {
+            return;
+        }
+        let all = [Role::Robot, Role::Sensor, Role::Controller].into_iter();
+        let peers: Vec<_> = all
+            .filter(|role| *role != self.shell.role && self.peers.boot_id(*role).is_none())
+            .collect();
+        if !peers.is_empty() {
+            let (tick, seconds) = (-1, PEER_SILENT.as_secs());
+            tracing::warn!("{}", Problem::Silent { peers, tick, seconds });
+        }
     }
 
     /// A status has been heard; the role of a peer that is worked with from now on.
