@@ -61,7 +61,7 @@ codecs! {
     sensor_deflection: 956,
     robot_command: 461,
     controller_status: 613,
-    node_status: 382,
+    node_status: 422,
     task: 224,
     object_pose: 145,
     sim_link_motion: 216,

@@ -26,6 +26,7 @@
 mod codec;
 mod error;
 mod event_log;
+mod kernel;
 mod liblcm;
 mod link;
 mod message;

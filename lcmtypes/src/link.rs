@@ -60,7 +60,7 @@ impl LcmBuilder {
         Ok(Lcm {
             handle: self.handle,
             tallies,
-            _receiving: receiving,
+            receiving,
         })
     }
 }
@@ -69,7 +69,7 @@ impl LcmBuilder {
 pub struct Lcm {
     handle: Arc<Handle>,
     tallies: Vec<Arc<Tally>>,
-    _receiving: Option<Receiving>,
+    receiving: Option<Receiving>,
 }
 
 impl Lcm {
@@ -109,10 +109,12 @@ impl Lcm {
 
     /// What the link and all its subscriptions have received and dropped.
     pub fn counters(&self) -> Counters {
-        self.tallies
-            .iter()
-            .map(|tally| tally.counters())
-            .fold(Counters::default(), |sum, one| sum + one)
+        let socket = self.receiving.as_ref().and_then(|it| it.socket.as_ref());
+        let kernel = Counters {
+            kernel_dropped: socket.and_then(|socket| socket.dropped()),
+            ..Counters::default()
+        };
+        self.tallies.iter().map(|tally| tally.counters()).fold(kernel, |sum, one| sum + one)
     }
 
     /// A message or packet refused, and why: the last one of the first subscription that refused any.

@@ -6,6 +6,7 @@
 //! without the zero delivers a length of 2^32 - 1, a firewall blocks it for 10 s).
 
 use crate::error::LcmError;
+use crate::kernel;
 use crate::router::{Router, SELF_TEST};
 use crate::url::Group;
 use socket2::{Domain, Protocol, SockRef, Socket, Type};
@@ -78,6 +79,11 @@ impl Receiver {
                 Err(_) => std::thread::park_timeout(WAIT),
             }
         }
+    }
+
+    /// How many packets the kernel has dropped because the socket's buffer was full; `None`: it does not tell.
+    pub(crate) fn dropped(&self) -> Option<u64> {
+        kernel::dropped(&self.socket)
     }
 
     /// Wakes a thread in [`Receiver::run`] at once. (Linux does so although it also reports "not connected";

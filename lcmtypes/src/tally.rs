@@ -12,6 +12,8 @@ pub struct Counters {
     pub received: u64,
     /// Taken from a full queue to make room for a newer one.
     pub dropped: u64,
+    /// Dropped by the kernel because the socket's buffer was full (counted per link); `None`: it does not tell.
+    pub kernel_dropped: Option<u64>,
     /// Wrong fingerprint, length or values.
     pub undecodable: u64,
     /// Packets that are no LCM message of a single packet (counted per link).
@@ -27,6 +29,10 @@ impl Add for Counters {
         Self {
             received: self.received + other.received,
             dropped: self.dropped + other.dropped,
+            kernel_dropped: match (self.kernel_dropped, other.kernel_dropped) {
+                (Some(one), Some(other)) => Some(one + other),
+                (one, other) => one.or(other),
+            },
             undecodable: self.undecodable + other.undecodable,
             malformed: self.malformed + other.malformed,
             panics: self.panics + other.panics,
@@ -70,6 +76,7 @@ impl Tally {
         Counters {
             received: self.received.load(Relaxed),
             dropped: self.dropped.load(Relaxed),
+            kernel_dropped: None,
             undecodable: self.undecodable.load(Relaxed),
             malformed: self.malformed.load(Relaxed),
             panics: self.panics.load(Relaxed),

@@ -24,6 +24,7 @@ pub struct Health {
     answers: Durations,
     lateness: Durations,
     round_trips: Durations,
+    ages: Durations,
 }
 
 /// Durations of one kind.
@@ -73,6 +74,7 @@ impl Health {
             answer: Latencies::default(),
             lateness: Latencies::default(),
             round_trip: Latencies::default(),
+            age: Latencies::default(),
             clock_offset_s: [0.0; 2],
             clock_bound_s: [0.0; 2],
             clock_rate: [0.0; 2],
@@ -85,6 +87,7 @@ impl Health {
             answers: Durations::new(),
             lateness: Durations::new(),
             round_trips: Durations::new(),
+            ages: Durations::new(),
         }
     }
 
@@ -127,6 +130,11 @@ impl Health {
     /// A message has gone to a peer and back within `round_trip`.
     pub fn round_trip(&mut self, round_trip: Duration) {
         self.round_trips.add(round_trip);
+    }
+
+    /// What is used now is `age` old.
+    pub fn use_aged(&mut self, age: Duration) {
+        self.ages.add(age);
     }
 
     /// How the clock of `peer`, robot or sensor, differs from the own one.
@@ -196,6 +204,7 @@ impl Health {
             answer: self.answers.percentiles(),
             lateness: self.lateness.percentiles(),
             round_trip: self.round_trips.percentiles(),
+            age: self.ages.percentiles(),
             ..self.status
         }
     }

@@ -205,6 +205,7 @@ impl Shell {
         let link = self.health.link();
         link.received = sum.received as i64;
         link.dropped = sum.dropped as i64;
+        link.kernel_dropped = sum.kernel_dropped.map_or(-1, |dropped| dropped as i64);
         link.undecodable = (sum.undecodable + sum.malformed) as i64;
     }
 

@@ -70,6 +70,13 @@ impl Timeline {
         Some(placed)
     }
 
+    /// How long ago at `utime` of the own clock (us) the newest sample that was taken was measured, us.
+    pub(super) fn sample_age_us(&self, utime: i64) -> Option<f64> {
+        let sensor = self.sensor.estimate(utime)?;
+        let newest = self.newest_sample_utime?;
+        Some(utime as f64 + sensor.ahead_us - newest as f64)
+    }
+
     /// A pose of the object in simulated time.
     pub(super) fn place_object(&self, pose: &ObjectPose, utime: i64) -> Option<ObjectPose> {
         let (now, from_sensor) = self.times(utime)?;
@@ -171,7 +178,9 @@ mod tests {
 
     #[test]
     fn samples_get_the_robots_time() {
-        let placed = timeline().place_samples(&deflections(4_000), OWN).unwrap();
+        let mut timeline = timeline();
+        let placed = timeline.place_samples(&deflections(4_000), OWN).unwrap();
+        assert_eq!(timeline.sample_age_us(OWN + 500), Some(4_500.0));
         let times = placed.samples.map(|sample| sample.utime);
         assert_eq!(times, std::array::from_fn(|i| 2_996_000 - i as i64 * 1000));
         assert!(placed.samples.iter().all(|sample| sample.flags.valid));

@@ -100,9 +100,22 @@ fn node(status: &NodeStatus, url: &str) -> Finding {
         worse(Verdict::Bad, how);
     }
     text += &format!(
-        "; messages: {} received, {} lost, {} dropped, {} undecodable, {} refused; {} deadlines missed",
-        link.received, link.lost, link.dropped, link.undecodable, link.refused, link.missed
+        "; messages: {} received, {} lost, {} dropped, {} by the kernel, {} undecodable, {} refused; {} deadlines missed",
+        link.received,
+        link.lost,
+        link.dropped,
+        link.kernel_dropped.max(0),
+        link.undecodable,
+        link.refused,
+        link.missed
     );
+    if status.age.max_s > 0.0 {
+        text += &format!(
+            "; age of what it uses {:.2} ms (p50), {:.2} ms (p99.9)",
+            1e3 * status.age.p50_s,
+            1e3 * status.age.p999_s
+        );
+    }
     if status.role == Role::Controller && !lockstep {
         let quarter_s = f64::from(status.hello.ticks_per_cycle) * TICK_S / 4.0;
         for (i, whose) in ["robot", "sensor"].into_iter().enumerate() {

@@ -35,6 +35,8 @@ struct Robot {
     timer: Retransmission,
     /// The newest motion of the tool.
     tool: Option<ToolMotion>,
+    /// The present tick, and when it was due.
+    now: (i64, Instant),
 }
 
 /// Why the work ends before the scenario does.
@@ -65,6 +67,7 @@ pub(super) fn run(flags: &Flags, node: RealTime) -> anyhow::Result<Shell> {
         peers,
         timer: Retransmission::default(),
         tool: None,
+        now: (0, clock::now()),
     };
     if let Err(Interrupted::LinkEnded) = robot.simulate() {
         robot.node.shell.report(&Problem::LinkEnded);
@@ -86,6 +89,7 @@ impl Robot {
             if late > TICK {
                 (due, slip) = (due + late, slip + late);
             }
+            self.now = (tick, due);
             self.node.shell.health.wake(late, slip.as_secs_f64());
             let mut link_motion = self.robot.link_motion();
             link_motion.stamp = self.node.stamp(tick, due);
@@ -196,7 +200,16 @@ impl Robot {
         self.node.take_echo(command, received_at);
         if self.robot.hear(command) == Answer::Ignored {
             self.node.shell.health.link().refused += 1;
+        } else if let Some(age) = self.age(command.stamp.step, received_at) {
+            self.node.shell.health.use_aged(age);
         }
+    }
+
+    /// How long before `instant` the state of tick `step` was sampled; `None`: that tick is still to come.
+    fn age(&self, step: i64, instant: Instant) -> Option<Duration> {
+        let (tick, due) = self.now;
+        let ticks = u32::try_from(tick - step).ok()?;
+        instant.checked_duration_since(due.checked_sub(ticks * TICK)?)
     }
 
     /// Say that the robot has latched a fault.

@@ -3,7 +3,7 @@
 use super::{Check, Fault, Invalid, Stamp, finite, wire_enum};
 
 /// Version of the wire contract; nodes with different ones refuse each other.
-pub const PROTOCOL: i32 = 1;
+pub const PROTOCOL: i32 = 2;
 
 wire_enum! {
     /// State of a process.
@@ -74,6 +74,8 @@ pub struct LinkQuality {
     pub lost: i64,
     /// Dropped by a full queue: the oldest.
     pub dropped: i64,
+    /// Dropped by the kernel, the socket's buffer being full; -1: it does not tell.
+    pub kernel_dropped: i64,
     /// Wrong fingerprint, length or values.
     pub undecodable: i64,
     /// Failed authentication.
@@ -113,6 +115,9 @@ pub struct NodeStatus {
     pub lateness: Latencies,
     /// Round trip to the peers.
     pub round_trip: Latencies,
+    /// Age at use (real time): robot, of commands, since the state that they answer was sampled; controller, in each cycle,
+    /// of the newest deflection since it was sampled.
+    pub age: Latencies,
     /// Clock offset to robot and sensor, s (controller, real time).
     pub clock_offset_s: [f64; 2],
     /// Bound of that offset, s.
@@ -130,7 +135,7 @@ pub struct NodeStatus {
 impl Check for NodeStatus {
     fn check(&self) -> Result<(), Invalid> {
         self.stamp.check()?;
-        for latencies in [&self.answer, &self.lateness, &self.round_trip] {
+        for latencies in [&self.answer, &self.lateness, &self.round_trip, &self.age] {
             let Latencies {
                 p50_s,
                 p99_s,
