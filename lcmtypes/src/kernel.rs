@@ -38,11 +38,15 @@ mod tests {
     #[test]
     fn what_a_full_buffer_drops_is_told() {
         let receiver = UdpSocket::bind("127.0.0.1:0").unwrap();
-        socket2::SockRef::from(&receiver).set_recv_buffer_size(4096).unwrap();
+        socket2::SockRef::from(&receiver)
+            .set_recv_buffer_size(4096)
+            .unwrap();
         let sender = UdpSocket::bind("127.0.0.1:0").unwrap();
         assert_eq!(dropped(&receiver), Some(0));
         for _ in 0..100 {
-            sender.send_to(&[0; 1000], receiver.local_addr().unwrap()).unwrap();
+            sender
+                .send_to(&[0; 1000], receiver.local_addr().unwrap())
+                .unwrap();
         }
         receiver.set_nonblocking(true).unwrap();
         let mut kept = 0;

@@ -114,7 +114,10 @@ impl Lcm {
             kernel_dropped: socket.and_then(|socket| socket.dropped()),
             ..Counters::default()
         };
-        self.tallies.iter().map(|tally| tally.counters()).fold(kernel, |sum, one| sum + one)
+        self.tallies
+            .iter()
+            .map(|tally| tally.counters())
+            .fold(kernel, |sum, one| sum + one)
     }
 
     /// A message or packet refused, and why: the last one of the first subscription that refused any.

@@ -199,7 +199,10 @@ impl Node {
         let deflections = deflections.and_then(|it| self.timeline.place_samples(&it, utime));
         let object = object.and_then(|it| self.timeline.place_object(&it, utime));
         if let Some(us) = self.timeline.sample_age_us(utime) {
-            self.process.shell.health.use_aged(Duration::from_secs_f64(1e-6 * us.max(0.0)));
+            self.process
+                .shell
+                .health
+                .use_aged(Duration::from_secs_f64(1e-6 * us.max(0.0)));
         }
         if self.begun
             && let Some(task) = self.agenda.due(tick)
