@@ -16,6 +16,8 @@ pub enum Injury {
     Freeze(Role, u64),
     /// A process is cut off from the others' device channels for so many ms.
     Cut(Role, u64),
+    /// A process's clock steps by so many s.
+    ClockStep(Role, i64),
     /// For 200 ms each command is sent once more, later, and as one of the future, and each state as one of another process.
     Replay,
     /// Another controller is started beside the one that works.
@@ -111,6 +113,11 @@ impl Injury {
                 .flat_map(|&role| times.map(|ms| Self::Freeze(role, ms))),
         );
         all.extend(roles.iter().flat_map(|&role| times.map(|ms| Self::Cut(role, ms))));
+        all.extend(
+            roles
+                .iter()
+                .flat_map(|&role| [1, -1].map(|s| Self::ClockStep(role, s))),
+        );
         all.extend([Self::Replay, Self::SecondController, Self::Mismatch]);
         all
     }
@@ -128,6 +135,7 @@ impl Injury {
                 site.listen(Duration::from_millis(ms));
                 site.cut(role, false);
             }
+            Self::ClockStep(role, _) => site.signal(role, Signal::USR1),
             Self::Replay => replay(site),
             Self::SecondController => site.cell.start_another(&site.bench.plan, Role::Controller)?,
             Self::Mismatch => {
@@ -149,7 +157,7 @@ impl Injury {
                 site.cell.kill(Role::Controller);
                 site.cell.start_another(&site.bench.plan, Role::Controller)?;
             }
-            Self::Freeze(..) | Self::Cut(..) | Self::Replay => {}
+            Self::Freeze(..) | Self::Cut(..) | Self::ClockStep(..) | Self::Replay => {}
         }
         Ok(())
     }
@@ -162,6 +170,7 @@ impl fmt::Display for Injury {
             Self::Kill(role) => write!(f, "{} killed", name(role)),
             Self::Freeze(role, ms) => write!(f, "{} frozen for {ms} ms", name(role)),
             Self::Cut(role, ms) => write!(f, "{} cut off for {ms} ms", name(role)),
+            Self::ClockStep(role, s) => write!(f, "clock of {} steps by {s:+} s", name(role)),
             Self::Replay => write!(f, "stale and future messages"),
             Self::SecondController => write!(f, "a second controller"),
             Self::Mismatch => write!(f, "a controller with another scenario"),
@@ -194,7 +203,15 @@ impl Moment {
 
 /// Inflict `injury` at `moment`.
 pub fn inflict(setting: &Setting<'_>, injury: Injury, moment: Moment) -> Result<Outcome, Box<dyn Error>> {
-    let mut site = reach(setting, moment)?;
+    let mut setting = *setting;
+    if let Injury::ClockStep(role, s) = injury {
+        setting.flags[role as usize] = if s > 0 {
+            &["--clock-step-s=1"]
+        } else {
+            &["--clock-step-s=-1"]
+        };
+    }
+    let mut site = reach(&setting, moment)?;
     // Before the contact: what it is going to be, as the controller publishes it.
     let expected_n = site
         .heard

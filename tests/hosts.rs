@@ -1,12 +1,12 @@
 //! Three hosts and a network between them, out of this machine's namespaces.
 //!
-//! A test that needs them runs itself once more as root of namespaces of its own ([`on_hosts`]): there a bridge joins three
+//! Who needs them runs itself once more as root of namespaces of its own ([`on_hosts`], [`enter`]): there a bridge joins three
 //! network namespaces, and each program's monotonic clock starts elsewhere.
 
 use spatial::ports::Role;
 use std::env;
 use std::ffi::OsStr;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, ExitStatus, Output, Stdio};
 
 /// Set for a test that runs inside.
 const INSIDE: &str = "TOUCHDOWN_HOSTS";
@@ -68,32 +68,51 @@ impl Hosts {
 /// skipped, which is said; in continuous integration that is a failure.
 #[expect(clippy::panic, reason = "a test that can't be set up fails")]
 pub fn on_hosts(name: &str, body: impl FnOnce(&Hosts)) {
+    match enter(&[name, "--exact", "--nocapture"]) {
+        Entered::Inside(hosts) => body(&hosts),
+        Entered::Done(status) => assert!(status.success(), "it failed inside, see above"),
+        Entered::Not(cause) => {
+            assert!(env::var_os("CI").is_none(), "there are no hosts here: {cause}");
+            eprintln!("skipped: there are no hosts here: {cause}");
+        }
+    }
+}
+
+/// Where a program is that wants to be among three hosts.
+pub enum Entered {
+    /// There.
+    Inside(Hosts),
+    /// It has been there, and ended so.
+    Done(ExitStatus),
+    /// Not there, and why.
+    Not(String),
+}
+
+/// Run this program once more with `arguments` where three hosts are, unless it is there already.
+pub fn enter(arguments: &[&str]) -> Entered {
     if env::var_os(INSIDE).is_some() {
-        let hosts = Hosts::set_up().unwrap_or_else(|cause| panic!("no network between the hosts: {cause}"));
-        return body(&hosts);
+        return Hosts::set_up().map_or_else(
+            |cause| Entered::Not(format!("no network between them: {cause}")),
+            Entered::Inside,
+        );
     }
     let allowed = Command::new("unshare").args(["-Urnm", "true"]).output();
     if !allowed.as_ref().is_ok_and(|output| output.status.success()) {
         let cause = allowed.map_or_else(|error| error.to_string(), |output| said(&output));
-        assert!(
-            env::var_os("CI").is_none(),
-            "namespaces are not allowed here: {cause}"
-        );
-        eprintln!("skipped: namespaces are not allowed here: {cause}");
-        return;
+        return Entered::Not(format!("namespaces are not allowed: {cause}"));
     }
-    let own = env::current_exe().unwrap_or_else(|error| panic!("{error}"));
-    let status = Command::new("unshare")
-        .args(["-Urnm", "--kill-child", "--fork"])
-        .arg(own)
-        .args([name, "--exact", "--nocapture"])
-        .env(INSIDE, "1")
-        .stdin(Stdio::null())
-        .status();
-    assert!(
-        status.is_ok_and(|status| status.success()),
-        "it failed inside, see above"
-    );
+    let run = |own| {
+        Command::new("unshare")
+            .args(["-Urnm", "--kill-child", "--fork"])
+            .arg(own)
+            .args(arguments)
+            .env(INSIDE, "1")
+            .stdin(Stdio::null())
+            .status()
+    };
+    env::current_exe()
+        .and_then(run)
+        .map_or_else(|error| Entered::Not(error.to_string()), Entered::Done)
 }
 
 fn run(words: &str) -> Result<(), String> {

@@ -222,9 +222,13 @@ impl Site {
         &self.device
     }
 
-    /// Send `what` to the node in `role`.
+    /// Send `what` to the node in `role`: where another program has started it on its host, to the last child.
     pub fn signal(&self, role: Role, what: Signal) {
-        if let Some(id) = self.cell.process_id(role) {
+        let child = |id: &u32| {
+            let children = std::fs::read_to_string(format!("/proc/{id}/task/{id}/children")).ok()?;
+            children.split_whitespace().next()?.parse().ok()
+        };
+        if let Some(id) = std::iter::successors(self.cell.process_id(role), child).last() {
             signal(id, what);
         }
     }

@@ -302,6 +302,13 @@ impl Controller {
         (tick - self.tare_since_tick) as f64 * TICK_S >= self.settings.controller.tare_s
     }
 
+    /// Latch `fault`, which comes from elsewhere; before the tare there is nothing yet that it could spoil.
+    pub fn latch(&mut self, fault: Fault) {
+        if self.motion.is_some() {
+            self.fail(fault);
+        }
+    }
+
     /// Latch `fault`, unless another one came first.
     fn fail(&mut self, fault: Fault) {
         self.phase = ControllerPhase::Fault;

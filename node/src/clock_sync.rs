@@ -19,7 +19,7 @@ const DRIFT: f64 = 200e-6;
 /// A clock that is farther off than the bounds allow, us, has jumped ...
 const JUMP_US: f64 = 2_000.0;
 /// ... if so many exchanges in a row say so.
-const JUMP_EXCHANGES: u32 = 5;
+const JUMP_EXCHANGES: u32 = 3;
 /// Longer round trips say nothing, us.
 const LONGEST_US: i64 = 1_000_000;
 

@@ -66,6 +66,12 @@ pub struct SensorSim {
     first_contact: Option<FirstContact>,
 }
 
+/// From where it touches nothing to where it presses the tool of a node that joins is lowered for so long; as long again, and it
+/// is at rest.
+const LOWERING_TICKS: i64 = 1000;
+/// Above the object it begins so high, m.
+const CLEAR_M: f64 = 1e-4;
+
 #[derive(Clone, Copy, Debug)]
 struct FirstContact {
     time_s: f64,
@@ -75,11 +81,45 @@ struct FirstContact {
 impl SensorSim {
     /// The tool hanging at rest, in balance, on a link that is at rest as `link` says at tick 0.
     pub fn new(scenario: &Scenario, link: &Motion) -> Self {
+        let body = Body::new(&scenario.tool, &scenario.sensor);
+        Self::at(scenario, link, 0, body.hanging(&link.pose))
+    }
+
+    /// At rest, in balance, on the link of a robot that is at the tick of `link` already: where the tool would hang inside the
+    /// object, it has come to rest pressing on it.
+    pub fn joining(scenario: &Scenario, link: &LinkMotion) -> Self {
+        let tick = link.stamp.step;
+        let body = Body::new(&scenario.tool, &scenario.sensor);
+        let hangs = |link: &Motion| Self::at(scenario, link, tick, body.hanging(&link.pose));
+        let simulation = hangs(&link.motion);
+        if simulation.indentation_m <= 0.0 {
+            return simulation;
+        }
+        // Let go where it hangs it would spring off, and leave a mark: it is lowered from above instead.
+        let force = simulation.contact_force(&simulation.now.base);
+        let up = force.try_normalize(0.0).unwrap_or_else(Vector3::z) * (simulation.indentation_m + CLEAR_M);
+        let lowered = |ticks: i64| {
+            let s = (ticks as f64 / LOWERING_TICKS as f64).min(1.0);
+            let mut held = Motion::at_rest(link.motion.pose);
+            held.pose.translation.vector += up * (1.0 - s * s * (3.0 - 2.0 * s));
+            held.velocity = up * (-6.0 * s * (1.0 - s) / (LOWERING_TICKS as f64 * TICK_S));
+            held
+        };
+        let mut simulation = hangs(&lowered(0));
+        for ticks in 1..=2 * LOWERING_TICKS {
+            simulation.integrate(tick, &lowered(ticks));
+            // The object stays where it is.
+            let base = simulation.contacts.object().base(tick as f64 * TICK_S);
+            simulation.now.base = base;
+        }
+        Self::at(scenario, &link.motion, tick, simulation.state)
+    }
+
+    fn at(scenario: &Scenario, link: &Motion, tick: i64, state: State) -> Self {
         let (tool, sensor) = (&scenario.tool, &scenario.sensor);
         let body = Body::new(tool, sensor);
-        let state = body.hanging(&link.pose);
         let contacts = Contacts::new(tool, &scenario.object);
-        let base = contacts.object().base(0.0);
+        let base = contacts.object().base(tick as f64 * TICK_S);
         let seed = scenario.timing.seed;
         let reading = reading(&body, &state, link, sensor.wrench_measured);
         let chain = SignalChain::new(sensor, seed, &reading);

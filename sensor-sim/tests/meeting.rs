@@ -23,25 +23,28 @@ fn in_line() -> Scenario {
     }
 }
 
+/// The link at `tick` on its way from `start` (m) down by `way` (m) within 1 s.
+fn lowered(start: &Vector3<f64>, way: f64, tick: i64) -> LinkMotion {
+    let s = (tick as f64 * TICK_S).min(1.0);
+    let mut motion = Motion::at_rest(Pose::translation(start.x, start.y, start.z));
+    motion.pose.translation.vector.z -= way * s * s * s * (10.0 + s * (-15.0 + s * 6.0));
+    motion.velocity.z = -way * s * s * (30.0 + s * (-60.0 + s * 30.0));
+    motion.acceleration.z = -way * s * (60.0 + s * (-180.0 + s * 120.0));
+    LinkMotion {
+        stamp: Stamp::lockstep(tick, 1, Role::Robot),
+        motion,
+        kinetic_energy_j: 0.0,
+        elastic_energy_j: 0.0,
+        motor_work_j: 0.0,
+        dissipated_energy_j: 0.0,
+    }
+}
+
 /// Lower the link from where the nominal tcp is 1 mm above r's origin (beside it by `aside`, m) by `way` (m) within
 /// 1 s, smoothly, then wait for `rest` s. Shows what each tick brings, returns the last.
 fn lower(scenario: &Scenario, aside: f64, way: f64, rest: f64, mut see: impl FnMut(&Truth)) -> Outputs {
     let start = Vector3::new(aside, 0.0, 0.001) - Vector3::from(scenario.tool.tcp_in_s_m);
-    let at = |tick: i64| {
-        let s = (tick as f64 * TICK_S).min(1.0);
-        let mut motion = Motion::at_rest(Pose::translation(start.x, start.y, start.z));
-        motion.pose.translation.vector.z -= way * s * s * s * (10.0 + s * (-15.0 + s * 6.0));
-        motion.velocity.z = -way * s * s * (30.0 + s * (-60.0 + s * 30.0));
-        motion.acceleration.z = -way * s * (60.0 + s * (-180.0 + s * 120.0));
-        LinkMotion {
-            stamp: Stamp::lockstep(tick, 1, Role::Robot),
-            motion,
-            kinetic_energy_j: 0.0,
-            elastic_energy_j: 0.0,
-            motor_work_j: 0.0,
-            dissipated_energy_j: 0.0,
-        }
-    };
+    let at = |tick: i64| lowered(&start, way, tick);
     let mut sensor = SensorSim::new(scenario, &at(0).motion);
     let ticks = ((1.0 + rest) / TICK_S) as i64;
     let mut outputs = None;
@@ -200,4 +203,32 @@ fn a_non_contact_sensor_sees_the_surface_yield_and_changes_nothing_else() {
         ..seeing
     };
     assert_eq!(without, blind);
+}
+
+/// Who joins while the tool presses finds it pressing as it did, at rest; in the air it hangs at rest.
+#[test]
+fn a_sensor_that_joins_finds_the_tool_in_balance() {
+    let scenario = in_line();
+    let start = Vector3::new(0.0, 0.0, 0.001) - Vector3::from(scenario.tool.tcp_in_s_m);
+    for (way, pressed) in [(0.0013, true), (0.0005, false)] {
+        let before = lower(&scenario, 0.0, way, 0.5, |_| ()).truth;
+        let mut sensor = SensorSim::joining(&scenario, &lowered(&start, way, 1500));
+        let mut peak_n: f64 = 0.0;
+        for tick in 1500..1600 {
+            let truth = sensor.advance(&lowered(&start, way, tick)).truth;
+            peak_n = peak_n.max(truth.contact_force_peak_n);
+            let error = (truth.contact_force - before.contact_force).norm();
+            assert!(
+                error < 0.01 * before.contact_force.norm() + 1e-9,
+                "{tick}: {error} N"
+            );
+            assert!(
+                truth.tcp_velocity.norm() < 1e-6,
+                "{tick}: {} m/s",
+                truth.tcp_velocity
+            );
+        }
+        assert_eq!(before.contact_force.z > 1.0, pressed);
+        assert!(peak_n < 1.01 * before.contact_force.norm() + 1e-9, "{peak_n} N");
+    }
 }

@@ -3,6 +3,7 @@
 use spatial::ports::Role;
 use std::process::ExitCode;
 use tests::faults::{Injury, Moment, Outcome, inflict};
+use tests::hosts::{Entered, Hosts, enter};
 use tests::site::Setting;
 
 const HEAD: &str = "\
@@ -15,8 +16,20 @@ const SCENARIOS: [&str; 2] = ["arm", "elastic_arm"];
 
 fn main() -> ExitCode {
     let only = std::env::args().nth(1).unwrap_or_default();
-    println!("{HEAD}");
-    let counts = SCENARIOS.map(|scenario| matrix(scenario, &only));
+    let hosts = match enter(&[&only]) {
+        Entered::Inside(hosts) => Some(hosts),
+        Entered::Done(status) => return ExitCode::from(u8::from(!status.success())),
+        Entered::Not(cause) => {
+            eprintln!("all programs on one host, since {cause}");
+            None
+        }
+    };
+    let place = match hosts {
+        Some(_) => "Three hosts: network namespaces, monotonic clocks days apart.",
+        None => "One host.",
+    };
+    println!("{HEAD}\n{place}");
+    let counts = SCENARIOS.map(|scenario| matrix(scenario, hosts.as_ref(), &only));
     let [tried, kept] = [0, 1].map(|i| counts.iter().map(|count| count[i]).sum::<usize>());
     println!("\n{tried} tried, what is promised was kept in {kept}");
     ExitCode::from(u8::from(kept < tried))
@@ -24,7 +37,7 @@ fn main() -> ExitCode {
 
 /// Every injury at every moment on `scenario`, as far as `only` is part of its line; how many, and in how many of them what
 /// is promised was kept.
-fn matrix(scenario: &str, only: &str) -> [usize; 2] {
+fn matrix(scenario: &str, hosts: Option<&Hosts>, only: &str) -> [usize; 2] {
     println!("\nScenario {scenario}");
     let titles = [
         "injury",
@@ -40,6 +53,7 @@ fn matrix(scenario: &str, only: &str) -> [usize; 2] {
     let (mut tried, mut kept) = (0, 0);
     let setting = Setting {
         scenario,
+        hosts,
         ..Setting::default()
     };
     for injury in Injury::all() {

@@ -190,6 +190,13 @@ fn a_controller_without_its_sensor_holds_and_says_so() {
 }
 
 #[test]
+fn a_clock_that_steps_stops_the_experiment_by_name() {
+    let _alone = alone();
+    let outcome = sample(Injury::ClockStep(Role::Sensor, 1), Moment::Settled);
+    assert_eq!(outcome.controller, Fault::ClockJump);
+}
+
+#[test]
 fn a_second_controller_does_not_work_and_does_not_disturb() {
     let _alone = alone();
     let mut site = Site::start(&patient()).unwrap();

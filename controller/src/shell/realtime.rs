@@ -15,7 +15,7 @@ use node::rights;
 use node::scenario::Scenario;
 use node::shell::{Flags, RealTime, Shell};
 use spatial::TICK_US;
-use spatial::ports::{Deflections, NodeStatus, ObjectPose, RobotState, Role, Task};
+use spatial::ports::{Deflections, Fault, NodeStatus, ObjectPose, RobotState, Role, Task};
 use std::time::{Duration, Instant};
 
 /// Between two looks at the clocks' bounds.
@@ -181,6 +181,24 @@ impl Node {
         !self.process.shell.health.faulty()
     }
 
+    /// A clock that has jumped is measured anew; until then nothing can be paired.
+    fn watch_clocks(&mut self) {
+        let clocks = [
+            (Role::Robot, &mut self.timeline.robot),
+            (Role::Sensor, &mut self.timeline.sensor),
+        ];
+        for (role, clock) in clocks {
+            if let Some(us) = clock.jump() {
+                tracing::warn!(
+                    "the clock of {} has jumped by {:.3} s against the own one; it is measured anew",
+                    node::greeting::role_name(role),
+                    1e-6 * us
+                );
+                self.controller.latch(Fault::ClockJump);
+            }
+        }
+    }
+
     /// One cycle with what is there.
     fn cycle(&mut self, begun: Cycle) {
         let Cycle {
@@ -195,6 +213,7 @@ impl Node {
         } = std::mem::take(&mut self.waiting);
         // Until samples can be paired for the first time, the controller knows of nothing: its commands only carry their stamps.
         self.begun |= self.timeline.ready();
+        self.watch_clocks();
         let utime = self.process.utime(clock::now());
         let deflections = deflections.and_then(|it| self.timeline.place_samples(&it, utime));
         let object = object.and_then(|it| self.timeline.place_object(&it, utime));
@@ -254,19 +273,6 @@ impl Node {
             return;
         }
         self.next_look = now + LOOK;
-        let clocks = [
-            (Role::Robot, &mut self.timeline.robot),
-            (Role::Sensor, &mut self.timeline.sensor),
-        ];
-        for (role, clock) in clocks {
-            if let Some(us) = clock.jump() {
-                tracing::warn!(
-                    "the clock of {} has jumped by {:.3} s; it is measured anew",
-                    node::greeting::role_name(role),
-                    1e-6 * us
-                );
-            }
-        }
         let period_ticks = self.process.shell.scenario.timing.command_period_ticks;
         let most_us = 0.25 * (period_ticks * TICK_US) as f64;
         let mut worst: f64 = 0.0;

@@ -189,3 +189,23 @@ fn a_robot_that_went_on_by_its_horizon_is_held_at_its_end() {
         taken = tick;
     }
 }
+
+/// What is found outside the cycle, as a clock that has jumped, stops the experiment as any fault does; before the tare there is
+/// nothing to stop.
+#[test]
+fn a_fault_from_elsewhere_is_latched_after_the_tare() {
+    let scenario = weightless();
+    let mut controller = Controller::new(&scenario);
+    let axes = scenario.start_axes().unwrap();
+    let mut faults = Vec::new();
+    for tick in (0..1200).step_by(4) {
+        if tick == 40 || tick == 800 {
+            controller.latch(Fault::ClockJump);
+        }
+        let outputs = controller.cycle(&Heard::complete(&state(tick, axes), &undeflected(tick), None));
+        if faults.last() != Some(&outputs.status.fault) {
+            faults.push(outputs.status.fault);
+        }
+    }
+    assert_eq!(faults, [Fault::None, Fault::ClockJump]);
+}

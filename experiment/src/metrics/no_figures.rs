@@ -47,6 +47,9 @@ fn remedy(fault: Fault) -> &'static str {
         }
         Fault::SensorStale => "the sensor was silent for longer than controller.stale_fault_s",
         Fault::StateStale => "the robot was silent for longer than controller.stale_fault_s",
+        Fault::ClockJump => {
+            "the clock of a node was set while it worked; leave it to `chronyd` or `timesyncd`, which slew"
+        }
         Fault::NoContact => "raise task.search_depth_m, or check object.height_m",
         Fault::AxisLimit => "check the axes' ranges in [robot] against the poses of [task]",
         Fault::VelocityLimit => "check the axes' velocity limits in [robot], or approach more slowly",

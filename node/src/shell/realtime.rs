@@ -8,7 +8,10 @@ use crate::problem::Problem;
 use crate::rights::Wanted;
 use lcmtypes::Lcm;
 use rustix::rand::{GetRandomFlags, getrandom};
+use signal_hook::consts::SIGUSR1;
 use spatial::ports::{ClockEcho, Command, NodeStatus, Role, Stamp};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// The flags of a node that matter in real time alone.
@@ -34,6 +37,15 @@ pub struct RealTimeFlags {
         hide = true
     )]
     clock_drift_ppm: f64,
+    /// Real time, for tests: how far this node's clock steps at each SIGUSR1, s
+    #[arg(
+        long,
+        default_value_t = 0.0,
+        value_name = "S",
+        allow_negative_numbers = true,
+        hide = true
+    )]
+    clock_step_s: f64,
 }
 
 /// A process in real time.
@@ -41,6 +53,8 @@ pub struct RealTime {
     /// What it has in lockstep, too.
     pub shell: Shell,
     clock: SkewedClock<HostClock>,
+    /// Set when the clock is to step, and how far, s.
+    step: (Arc<AtomicBool>, f64),
     peers: Peers,
     boot_id: i64,
     next_status: Instant,
@@ -63,9 +77,14 @@ impl RealTime {
             offset_s: flags.clock_offset_s,
             drift_ppm: flags.clock_drift_ppm,
         };
+        let step = Arc::new(AtomicBool::new(false));
+        if flags.clock_step_s != 0.0 {
+            signal_hook::flag::register(SIGUSR1, step.clone())?;
+        }
         Ok(Self {
             shell,
             clock,
+            step: (step, flags.clock_step_s),
             peers,
             boot_id,
             next_status: started,
@@ -100,6 +119,9 @@ impl RealTime {
 
     /// Publish the status if it is due.
     pub fn keep_status(&mut self, device: &Lcm, links: &[&Lcm]) {
+        if self.step.0.swap(false, Ordering::Relaxed) {
+            self.clock.offset_s += self.step.1;
+        }
         let now = clock::now();
         if now < self.next_status && !self.shell.untold {
             return;

@@ -1,6 +1,6 @@
 //! Real time: the simulated world is in lockstep with robot-sim all the same; the sensor's samples carry the own clock.
 //!
-//! After a restart, of this node or of robot-sim, the tool hangs at rest again.
+//! After a restart, of this node or of robot-sim, the tool is at rest again: hanging, or pressing where it was pressed.
 
 use super::offset::Offset;
 use crossbeam::select;
@@ -77,7 +77,7 @@ fn answer(
         master,
         // It joins at whatever tick the robot is.
         follower: Follower::starting_at(tick, 1, master),
-        simulation: SensorSim::new(&node.shell.scenario, &link.motion),
+        simulation: SensorSim::joining(&node.shell.scenario, link),
         offset: Offset::default(),
         answers: [const { None }; 4],
     }));
