@@ -66,7 +66,6 @@ impl Hosts {
 
 /// Run `body` on three hosts, in the test of this `name` (with its modules). Where namespaces are not allowed it is
 /// skipped, which is said; in continuous integration that is a failure.
-#[expect(clippy::panic, reason = "a test that can't be set up fails")]
 pub fn on_hosts(name: &str, body: impl FnOnce(&Hosts)) {
     match enter(&[name, "--exact", "--nocapture"]) {
         Entered::Inside(hosts) => body(&hosts),

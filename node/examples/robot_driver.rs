@@ -25,7 +25,8 @@ use node::shell::{Flags, Pace, RealTime};
 use spatial::TICK_S;
 use spatial::kinematics::Axes;
 use spatial::ports::{
-    Authenticity, Command, ENCODER_SAMPLES, Fault, NodeStatus, RobotState, Role, Task, TaskAction,
+    Authenticity, Command, Deflections, ENCODER_SAMPLES, Fault, NodeStatus, RobotState, Role, Task,
+    TaskAction,
 };
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -71,6 +72,7 @@ struct Driver<D> {
     node: RealTime,
     device: Lcm,
     commands: Subscription<Command>,
+    deflections: Subscription<Deflections>,
     tasks: Subscription<Task>,
     peers: Subscription<NodeStatus>,
     commanded: Commanded,
@@ -97,15 +99,19 @@ impl From<RecvError> for Ended {
 impl<D: Drives> Driver<D> {
     fn start(flags: &Flags, node: RealTime, mut drives: D) -> anyhow::Result<Self> {
         let mut device = flags.device_link()?;
-        let (commands, tasks, peers) = (device.subscribe(64), device.subscribe(16), device.subscribe(64));
+        let (commands, deflections) = (device.subscribe(64), device.subscribe(64));
+        let (tasks, peers) = (device.subscribe(16), device.subscribe(64));
         let axes = drives.read_encoders();
+        let mut commanded = Commanded::new(&node.shell.scenario, axes);
+        commanded.require_sensor();
         Ok(Self {
             drives,
-            commanded: Commanded::new(&node.shell.scenario, axes),
+            commanded,
             period_ticks: node.shell.scenario.timing.command_period_ticks,
             node,
             device: device.start()?,
             commands,
+            deflections,
             tasks,
             peers,
             tick: 0,
@@ -189,6 +195,7 @@ impl<D: Drives> Driver<D> {
             let pause = wake.saturating_duration_since(clock::now());
             select! {
                 recv(self.commands.receiver()) -> it => self.take_command(&it?),
+                recv(self.deflections.receiver()) -> it => self.take_deflections(&it?.message),
                 recv(self.tasks.receiver()) -> it => self.take_task(&it?.message),
                 recv(self.peers.receiver()) -> it => { self.node.hear(&it?.message); }
                 recv(self.node.shell.stop) -> _ => return Err(Ended::Signal),
@@ -197,6 +204,12 @@ impl<D: Drives> Driver<D> {
             if clock::now() >= due {
                 return Ok(());
             }
+        }
+    }
+
+    fn take_deflections(&mut self, deflections: &Deflections) {
+        if self.node.works_with(Role::Sensor, deflections.stamp.boot_id) {
+            self.commanded.sense(self.tick, deflections);
         }
     }
 

@@ -10,7 +10,7 @@ use crate::robot_states::{Answer, Heard, Patience, RobotStates};
 use crate::scenario::Scenario;
 use spatial::TICK_S;
 use spatial::kinematics::Axes;
-use spatial::ports::{Command, Fault};
+use spatial::ports::{Command, Deflections, Fault};
 
 /// Slower than this an axis stands, rad/s.
 pub const STANDING_RAD_PER_S: f64 = 2e-3;
@@ -27,6 +27,16 @@ pub struct Commanded {
     /// A command has been taken in this period.
     answered: bool,
     missed_commands: i64,
+    sensor: Option<Sensed>,
+}
+
+/// What has been heard of the sensor.
+#[derive(Clone, Copy, Debug)]
+struct Sensed {
+    /// Instant of the newest sample, us on the sensor's clock.
+    utime: i64,
+    /// Tick at which it came.
+    tick: i64,
 }
 
 impl Commanded {
@@ -45,6 +55,27 @@ impl Commanded {
             command_step: -1,
             answered: false,
             missed_commands: 0,
+            sensor: None,
+        }
+    }
+
+    /// From now on no motion begins unless a sample that the sensor took within 3 T has been heard ([`Self::sense`]). In
+    /// lockstep each tick waits for the sensor anyway.
+    pub fn require_sensor(&mut self) {
+        // Older than any.
+        self.sensor = Some(Sensed {
+            utime: i64::MIN,
+            tick: i64::MIN / 2,
+        });
+    }
+
+    /// The sensor that is worked with has said this before `tick`.
+    pub fn sense(&mut self, tick: i64, deflections: &Deflections) {
+        let valid = deflections.samples.iter().filter(|sample| sample.flags.valid);
+        if let (Some(known), Some(utime)) = (&mut self.sensor, valid.map(|sample| sample.utime).max())
+            && utime > known.utime
+        {
+            *known = Sensed { utime, tick };
         }
     }
 
@@ -58,6 +89,9 @@ impl Commanded {
             age: tick - step,
             owner: command.stamp.boot_id,
             enable: command.enable,
+            sensed: self
+                .sensor
+                .is_none_or(|known| tick - known.tick <= 3 * self.period),
         };
         let (guard, before) = (&self.guard, self.path.before(step));
         let answer = self
@@ -109,5 +143,74 @@ impl Commanded {
     /// Periods without a new command.
     pub fn missed_commands(&self) -> i64 {
         self.missed_commands
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use spatial::ports::{Authenticity, ClockEcho, DeflectionSample, HORIZON, RobotMode, SampleFlags, Stamp};
+
+    fn deflections(utime: i64, valid: bool) -> Deflections {
+        let flags = SampleFlags {
+            valid,
+            ..SampleFlags::default()
+        };
+        let sample = DeflectionSample {
+            utime,
+            flags,
+            ..DeflectionSample::default()
+        };
+        Deflections {
+            stamp: Stamp::default(),
+            samples: [sample; 8],
+            echo: ClockEcho::default(),
+            authenticity: Authenticity::default(),
+        }
+    }
+
+    /// The mode after a second of good commands, the sensor saying `said` of each tick.
+    fn mode(require: bool, said: impl Fn(i64) -> Option<Deflections>) -> RobotMode {
+        let scenario = Scenario::default();
+        let axes = scenario.start_axes().unwrap();
+        let mut robot = Commanded::new(&scenario, axes);
+        if require {
+            robot.require_sensor();
+        }
+        for tick in 0..1000 {
+            if let Some(said) = said(tick) {
+                robot.sense(tick, &said);
+            }
+            if tick % 4 == 0 {
+                let command = Command {
+                    stamp: Stamp {
+                        step: tick,
+                        utime: 0,
+                        boot_id: 1,
+                    },
+                    enable: true,
+                    axis_position: [axes; HORIZON],
+                    send_utime: 0,
+                    authenticity: Authenticity::default(),
+                };
+                robot.hear(tick, &command);
+            }
+            robot.begin(tick);
+            robot.pass(true);
+        }
+        robot.states().mode()
+    }
+
+    #[test]
+    fn a_robot_that_requires_a_sensor_follows_with_fresh_samples_alone() {
+        let fresh = |tick| Some(deflections(1000 * tick, true));
+        assert_eq!(mode(true, fresh), RobotMode::Following);
+        assert_eq!(mode(true, |_| None), RobotMode::Armed);
+        assert_eq!(mode(true, |_| Some(deflections(5, true))), RobotMode::Armed);
+        assert_eq!(
+            mode(true, |tick| Some(deflections(1000 * tick, false))),
+            RobotMode::Armed
+        );
+        assert_eq!(mode(false, |_| None), RobotMode::Following);
     }
 }

@@ -56,6 +56,8 @@ pub struct Heard {
     pub owner: i64,
     /// Whether it asks for motion.
     pub enable: bool,
+    /// Whether what the sensor says is fresh: without it no motion begins.
+    pub sensed: bool,
 }
 
 /// What a command asks for, as its set-points show.
@@ -146,7 +148,8 @@ impl RobotStates {
             self.latch(fault, axis);
             return Answer::Ignored;
         }
-        let arming = patience.arming > 0 && matches!(self.mode, RobotMode::Idle | RobotMode::Armed);
+        let arming =
+            (patience.arming > 0 || !heard.sensed) && matches!(self.mode, RobotMode::Idle | RobotMode::Armed);
         if arming && verdict == Verdict::Move {
             return self.release();
         }
@@ -155,7 +158,7 @@ impl RobotStates {
         }
         self.owner = Some(heard.owner);
         self.silence = heard.age;
-        if arming && (self.mode == RobotMode::Idle || self.armed < patience.arming) {
+        if arming && (self.mode == RobotMode::Idle || self.armed < patience.arming || !heard.sensed) {
             self.mode = RobotMode::Armed;
             return Answer::Counted;
         }

@@ -18,7 +18,8 @@ use node::scenario::{Drives, Robot, Scenario};
 use servo::{Servo, ServoParameters};
 use spatial::kinematics::Axes;
 use spatial::ports::{
-    Authenticity, ClockEcho, Command, ENCODER_SAMPLES, Fault, LinkMotion, RobotState, Role, Stamp, ToolMotion,
+    Authenticity, ClockEcho, Command, Deflections, ENCODER_SAMPLES, Fault, LinkMotion, RobotState, Role,
+    Stamp, ToolMotion,
 };
 use spatial::{Motion, TICK_S};
 use std::f64::consts::TAU;
@@ -165,6 +166,16 @@ impl RobotSim {
     /// acceleration then as always.
     pub fn hear(&mut self, command: &Command) -> Answer {
         self.commanded.hear(self.tick, command)
+    }
+
+    /// From now on no motion begins without a fresh sensor ([`Self::sense`]).
+    pub fn require_sensor(&mut self) {
+        self.commanded.require_sensor();
+    }
+
+    /// Hear what the sensor says.
+    pub fn sense(&mut self, deflections: &Deflections) {
+        self.commanded.sense(self.tick, deflections);
     }
 
     /// Brake and latch `fault`, which comes from elsewhere.

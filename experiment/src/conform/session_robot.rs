@@ -24,6 +24,14 @@ pub(super) fn run(session: &mut Session, options: &Options) -> Result<(), Confor
         });
     }
     session.play(Role::Controller);
+    if !session
+        .record
+        .peers
+        .iter()
+        .any(|it| it.message.role == Role::Sensor)
+    {
+        session.play(Role::Sensor);
+    }
     session.say(Saying::Released, options.listen, never)?;
     let newest = session.record.states.last().map(|it| it.message);
     let Some(state) = newest.filter(|state| state.fault == Fault::None) else {

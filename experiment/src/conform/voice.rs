@@ -9,7 +9,8 @@ use node::peers::STATUS_PERIOD;
 use spatial::TICK_US;
 use spatial::kinematics::Axes;
 use spatial::ports::{
-    Authenticity, Command, HORIZON, Hello, NodeState, PROTOCOL, RobotState, Role, Stamp, Task, TaskAction,
+    Authenticity, ClockEcho, Command, DeflectionSample, Deflections, HORIZON, Hello, NodeState, PROTOCOL,
+    RobotState, Role, SampleFlags, Stamp, Task, TaskAction,
 };
 use std::time::{Duration, Instant};
 
@@ -86,6 +87,9 @@ impl Session {
     /// Answer a state by what is to be said.
     pub(super) fn answer(&mut self, state: &RobotState) -> Result<(), ConformError> {
         let (step, stay) = (state.stamp.step, state.axis_setpoint);
+        if self.played.contains(&Role::Sensor) {
+            self.press_nothing(step)?;
+        }
         let reference = self.reference.unwrap_or(stay);
         // Half of what counts as motion: it is seen, and does no harm.
         let other = reference + Axes::repeat(0.5 * session_robot::STAY_RAD);
@@ -124,6 +128,29 @@ impl Session {
         };
         record.push(at);
         Ok(())
+    }
+
+    /// A sensor on which nothing hangs: a robot begins no motion without one.
+    fn press_nothing(&self, step: i64) -> Result<(), ConformError> {
+        let us = self.us(clock::now());
+        let sample = |i| DeflectionSample {
+            utime: us - i as i64 * TICK_US,
+            flags: SampleFlags {
+                valid: true,
+                ..SampleFlags::default()
+            },
+            ..DeflectionSample::default()
+        };
+        Ok(self.link.publish(&Deflections {
+            stamp: Stamp {
+                step,
+                utime: us,
+                boot_id: self.boot_id,
+            },
+            samples: std::array::from_fn(sample),
+            echo: ClockEcho::default(),
+            authenticity: Authenticity::default(),
+        })?)
     }
 
     /// A command of somebody else.

@@ -35,8 +35,14 @@ fn events() -> Vec<Event> {
     for age in -1..=PATIENCE.horizon + 1 {
         for owner in [7, 8] {
             for enable in [false, true] {
-                for verdict in verdicts {
-                    events.push(Event::Command(Heard { age, owner, enable }, verdict));
+                for (verdict, sensed) in verdicts.into_iter().flat_map(|it| [(it, false), (it, true)]) {
+                    let heard = Heard {
+                        age,
+                        owner,
+                        enable,
+                        sensed,
+                    };
+                    events.push(Event::Command(heard, verdict));
                 }
             }
         }
@@ -145,6 +151,9 @@ fn broken(step: &Step, standing: bool) -> Option<&'static str> {
         if executed && !moves(before.mode) && !(armed && *verdict == Verdict::Stay) {
             return Some("motion without arming");
         }
+        if executed && !moves(before.mode) && !heard.sensed {
+            return Some("motion begins without the sensor");
+        }
         if executed && before.silence <= heard.age {
             return Some("an older command overtakes a newer one");
         }
@@ -222,6 +231,7 @@ fn command(age: i64, enable: bool) -> Heard {
         age,
         owner: 7,
         enable,
+        sensed: true,
     }
 }
 
@@ -250,6 +260,23 @@ fn a_robot_follows_once_commands_have_come_for_long_enough() {
     tick(&mut states, Verdict::Stay);
     assert_eq!(tick(&mut states, Verdict::Move), counted);
     assert_eq!(states.mode(), RobotMode::Idle);
+}
+
+#[test]
+fn without_a_fresh_sensor_it_stays_armed() {
+    let mut states = RobotStates::new(&PATIENCE);
+    let blind = Heard {
+        sensed: false,
+        ..command(0, true)
+    };
+    for _ in 0..10 {
+        assert_eq!(states.hear(&PATIENCE, blind, || Verdict::Stay), Answer::Counted);
+        states.pass(&PATIENCE, true);
+        assert_eq!(states.mode(), RobotMode::Armed);
+    }
+    assert_eq!(tick(&mut states, Verdict::Stay), Answer::Execute);
+    // Once it follows, what the sensor says is the controller's business.
+    assert_eq!(states.hear(&PATIENCE, blind, || Verdict::Move), Answer::Execute);
 }
 
 #[test]

@@ -13,7 +13,7 @@ use node::problem::Problem;
 use node::robot_states::Answer;
 use node::shell::{Flags, RealTime, Shell};
 use robot_sim::RobotSim;
-use spatial::ports::{Command, Fault, NodeStatus, Role, Task, TaskAction, ToolMotion};
+use spatial::ports::{Command, Deflections, Fault, NodeStatus, Role, Task, TaskAction, ToolMotion};
 use std::time::{Duration, Instant};
 
 /// One tick.
@@ -30,6 +30,7 @@ struct Robot {
     world: Lcm,
     tools: Subscription<ToolMotion>,
     commands: Subscription<Command>,
+    deflections: Subscription<Deflections>,
     tasks: Subscription<Task>,
     peers: Subscription<NodeStatus>,
     timer: Retransmission,
@@ -55,7 +56,8 @@ impl From<RecvError> for Interrupted {
 pub(super) fn run(flags: &Flags, node: RealTime) -> anyhow::Result<Shell> {
     let (mut device, mut world) = (flags.device_link()?, flags.simulation_link()?);
     let tools = world.subscribe(16);
-    let (commands, tasks, peers) = (device.subscribe(64), device.subscribe(16), device.subscribe(64));
+    let (commands, deflections) = (device.subscribe(64), device.subscribe(64));
+    let (tasks, peers) = (device.subscribe(16), device.subscribe(64));
     let mut robot = Robot {
         robot: RobotSim::new(&node.shell.scenario),
         node,
@@ -63,12 +65,14 @@ pub(super) fn run(flags: &Flags, node: RealTime) -> anyhow::Result<Shell> {
         world: world.start()?,
         tools,
         commands,
+        deflections,
         tasks,
         peers,
         timer: Retransmission::default(),
         tool: None,
         now: (0, clock::now()),
     };
+    robot.robot.require_sensor();
     if let Err(Interrupted::LinkEnded) = robot.simulate() {
         robot.node.shell.report(&Problem::LinkEnded);
         // Until a signal comes.
@@ -173,6 +177,7 @@ impl Robot {
                     let Received { message, received_at } = received?;
                     self.take_command(&message, received_at);
                 }
+                recv(self.deflections.receiver()) -> received => self.take_deflections(&received?.message),
                 recv(self.tasks.receiver()) -> received => self.take_task(&received?.message),
                 recv(self.peers.receiver()) -> received => {
                     self.node.hear(&received?.message);
@@ -189,6 +194,12 @@ impl Robot {
     fn take_tool(&mut self, tool: &ToolMotion) {
         if self.node.works_with(Role::Sensor, tool.stamp.boot_id) {
             self.tool = Some(*tool);
+        }
+    }
+
+    fn take_deflections(&mut self, deflections: &Deflections) {
+        if self.node.works_with(Role::Sensor, deflections.stamp.boot_id) {
+            self.robot.sense(deflections);
         }
     }
 
