@@ -145,6 +145,12 @@ pub enum LcmError {
         /// The URL.
         url: String,
     },
+    /// One thread receives from so many links at most.
+    #[error("a thread receives from {most} links at most; start the others with threads of their own")]
+    Links {
+        /// How many.
+        most: usize,
+    },
     /// liblcm can't wait on the descriptor.
     #[error("liblcm's descriptor for \"{url}\" is {descriptor}, not below 1024 (select); close files first")]
     Descriptor {

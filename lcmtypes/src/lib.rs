@@ -2,7 +2,7 @@
 //!
 //! A node's library sees the plain structs of [`spatial::ports`]. This crate turns each into the bytes of its
 //! type in `types/*.lcm` and back ([`Message`]), sends and receives them ([`LcmBuilder`], [`Lcm`],
-//! [`Subscription`]) and reads and writes LCM's event logs ([`EventLogWriter`], [`EventLogReader`]).
+//! [`Subscription`]; in the calling thread by [`Inboxes`]) and reads and writes LCM's event logs ([`EventLogWriter`], [`EventLogReader`]).
 //! Nothing is encoded before it has been checked, nothing is delivered before it has been checked.
 //!
 //! ```no_run
@@ -26,6 +26,7 @@
 mod codec;
 mod error;
 mod event_log;
+mod inboxes;
 mod kernel;
 mod liblcm;
 mod link;
@@ -39,6 +40,7 @@ mod url;
 
 pub use error::{DecodeError, LcmError, LogError, Refusal, Unusable};
 pub use event_log::{Event, EventLogReader, EventLogWriter};
+pub use inboxes::{Inboxes, Woken};
 pub use link::{Lcm, LcmBuilder};
 pub use message::{CHANNELS, Encoded, Message};
 pub use router::{RawMessage, Received, Subscription};

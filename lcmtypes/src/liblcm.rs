@@ -5,6 +5,7 @@ use crate::raw;
 use crate::router::Router;
 use std::ffi::{CStr, c_char, c_int, c_uint, c_void};
 use std::io;
+use std::os::fd::BorrowedFd;
 use std::ptr::NonNull;
 use std::slice;
 use std::sync::Arc;
@@ -89,9 +90,9 @@ impl Inbox {
     }
 
     /// The file descriptor that liblcm waits on with `select`, which takes only those below 1024.
-    pub(crate) fn descriptor(&self) -> c_int {
-        // SAFETY: the handle is open.
-        unsafe { raw::lcm_get_fileno(self.handle.lcm.as_ptr()) }
+    pub(crate) fn descriptor(&self) -> BorrowedFd<'_> {
+        // SAFETY: the handle is open, and its descriptor stays so as long as it is.
+        unsafe { BorrowedFd::borrow_raw(raw::lcm_get_fileno(self.handle.lcm.as_ptr())) }
     }
 
     /// Delivers a message, waiting at most `timeout_ms`.

@@ -1,13 +1,15 @@
 //! A link to other programs: subscribe first, then start, then publish and receive.
 
 use crate::error::{LcmError, Refusal};
-use crate::liblcm::{Handle, Inbox};
+use crate::inboxes::Inbox;
+use crate::liblcm::{self, Handle};
 use crate::message::{Encoded, Message};
 use crate::multicast::{self, LONGEST_NAME};
 use crate::router::{RawMessage, Router, Subscription};
 use crate::tally::{Counters, Tally};
 use crate::url::Url;
 use std::ffi::CString;
+use std::os::fd::AsRawFd;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
@@ -49,6 +51,27 @@ impl LcmBuilder {
         self.router.subscribe_all(capacity)
     }
 
+    /// Starts the link without a thread: what comes is delivered when [`Inbox::deliver`] is called. What was sent before is
+    /// not heard.
+    pub(crate) fn start_quiet(self) -> Result<(Lcm, Inbox), LcmError> {
+        let tallies = self.router.tallies();
+        let (inbox, socket) = match self.url.socket() {
+            Some(group) => {
+                let socket = Arc::new(multicast::Receiver::join(group)?);
+                let inbox = Inbox::Socket(socket.clone(), self.router);
+                (inbox, Some(socket))
+            }
+            None => (Inbox::Liblcm(inbox(&self.url, &self.handle, self.router)?), None),
+        };
+        let lcm = Lcm {
+            handle: self.handle,
+            tallies,
+            socket,
+            _receiving: None,
+        };
+        Ok((lcm, inbox))
+    }
+
     /// Starts the link; with subscriptions also the one thread that receives. What was sent before is not heard.
     pub fn start(self) -> Result<Lcm, LcmError> {
         let tallies = self.router.tallies();
@@ -60,7 +83,8 @@ impl LcmBuilder {
         Ok(Lcm {
             handle: self.handle,
             tallies,
-            receiving,
+            socket: receiving.as_ref().and_then(|it| it.socket.clone()),
+            _receiving: receiving,
         })
     }
 }
@@ -69,7 +93,8 @@ impl LcmBuilder {
 pub struct Lcm {
     handle: Arc<Handle>,
     tallies: Vec<Arc<Tally>>,
-    receiving: Option<Receiving>,
+    socket: Option<Arc<multicast::Receiver>>,
+    _receiving: Option<Receiving>,
 }
 
 impl Lcm {
@@ -109,9 +134,8 @@ impl Lcm {
 
     /// What the link and all its subscriptions have received and dropped.
     pub fn counters(&self) -> Counters {
-        let socket = self.receiving.as_ref().and_then(|it| it.socket.as_ref());
         let kernel = Counters {
-            kernel_dropped: socket.and_then(|socket| socket.dropped()),
+            kernel_dropped: self.socket.as_ref().and_then(|socket| socket.dropped()),
             ..Counters::default()
         };
         self.tallies
@@ -138,13 +162,13 @@ impl Receiving {
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();
         let builder = thread::Builder::new().name("lcm-receive".to_owned());
-        let (socket, thread) = match url {
-            Url::Multicast(group) => {
+        let (socket, thread) = match url.socket() {
+            Some(group) => {
                 let socket = Arc::new(multicast::Receiver::join(group)?);
                 let own = socket.clone();
                 (Some(socket), builder.spawn(move || own.run(&router, &stopped)))
             }
-            Url::Memory => {
+            None => {
                 let inbox = inbox(url, handle, router)?;
                 (None, builder.spawn(move || handle_until(inbox, &stopped)))
             }
@@ -171,18 +195,18 @@ impl Drop for Receiving {
 /// How long liblcm waits before the thread looks at its flag.
 const WAIT_MS: i32 = 20;
 
-fn inbox(url: &Url, handle: &Arc<Handle>, router: Router) -> Result<Inbox, LcmError> {
+fn inbox(url: &Url, handle: &Arc<Handle>, router: Router) -> Result<liblcm::Inbox, LcmError> {
     let url = url.for_liblcm();
-    let Some(inbox) = Inbox::new(handle.clone(), router) else {
+    let Some(inbox) = liblcm::Inbox::new(handle.clone(), router) else {
         return Err(LcmError::Create { url });
     };
-    match inbox.descriptor() {
+    match inbox.descriptor().as_raw_fd() {
         0..1024 => Ok(inbox),
         descriptor => Err(LcmError::Descriptor { url, descriptor }),
     }
 }
 
-fn handle_until(mut inbox: Inbox, stop: &AtomicBool) {
+fn handle_until(mut inbox: liblcm::Inbox, stop: &AtomicBool) {
     while !stop.load(Ordering::Acquire) {
         if inbox.handle(WAIT_MS).is_err() {
             // A signal, or nothing to be done about it here; don't burn the processor.

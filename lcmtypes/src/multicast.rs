@@ -20,7 +20,9 @@ const SHORT: [u8; 4] = *b"LC02";
 /// Longest name of a channel, bytes.
 pub(crate) const LONGEST_NAME: usize = 63;
 /// Largest UDP packet.
-const LARGEST_PACKET: usize = 65_536;
+pub(crate) const LARGEST_PACKET: usize = 65_536;
+/// So many packets are delivered before the thread that receives does something else.
+pub(crate) const MOST_AT_ONCE: usize = 256;
 /// Bound of a wait for a packet; `interrupt` ends it sooner.
 const WAIT: Duration = Duration::from_millis(100);
 const ATTEMPTS: u64 = 5;
@@ -68,17 +70,30 @@ impl Receiver {
         let mut buffer = vec![0; LARGEST_PACKET];
         while !stop.load(Ordering::Acquire) {
             match self.socket.recv(&mut buffer) {
-                Ok(length) => match parse(&buffer[..length]) {
-                    Some((channel, bytes)) => router.dispatch(channel, bytes),
-                    // An interrupt looks like an empty packet.
-                    None if stop.load(Ordering::Acquire) => {}
-                    None => router.malformed(length),
-                },
+                // An interrupt looks like an empty packet.
+                Ok(0) if stop.load(Ordering::Acquire) => {}
+                Ok(length) => deliver(router, &buffer[..length]),
                 Err(error) if is_timeout(&error) => {}
                 // Nothing to be done about it here; don't burn the processor.
                 Err(_) => std::thread::park_timeout(WAIT),
             }
         }
+    }
+
+    /// Delivers what has come, and does not wait; of a flood the first [`MOST_AT_ONCE`] packets.
+    pub(crate) fn drain(&self, router: &Router, buffer: &mut [u8]) {
+        for _ in 0..MOST_AT_ONCE {
+            let flags = rustix::net::RecvFlags::DONTWAIT;
+            match rustix::net::recv(&self.socket, &mut *buffer, flags) {
+                Ok((length, _)) => deliver(router, &buffer[..length]),
+                // Nothing more, or an error that the next call does not find any more.
+                Err(_) => break,
+            }
+        }
+    }
+
+    pub(crate) fn socket(&self) -> &UdpSocket {
+        &self.socket
     }
 
     /// How many packets the kernel has dropped because the socket's buffer was full; `None`: it does not tell.
@@ -135,6 +150,13 @@ impl Receiver {
                 })
             })
             .any(|heard| heard)
+    }
+}
+
+fn deliver(router: &Router, packet: &[u8]) {
+    match parse(packet) {
+        Some((channel, bytes)) => router.dispatch(channel, bytes),
+        None => router.malformed(packet.len()),
     }
 }
 

@@ -37,6 +37,11 @@ pub struct Subscription<M> {
 }
 
 impl<M> Subscription<M> {
+    /// The oldest message that has come and not been taken.
+    pub fn take(&self) -> Option<Received<M>> {
+        self.receiver.try_recv().ok()
+    }
+
     /// Where messages arrive, oldest first; to be used with `crossbeam::select!`.
     pub fn receiver(&self) -> &Receiver<Received<M>> {
         &self.receiver

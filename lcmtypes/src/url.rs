@@ -21,6 +21,8 @@ pub struct Group {
     pub ttl: u8,
     /// Kernel's receive buffer, bytes.
     pub receive_buffer: usize,
+    /// Receive through liblcm instead of the own socket: slower, and with liblcm's defects.
+    pub through_liblcm: bool,
 }
 
 impl Group {
@@ -47,10 +49,24 @@ impl Url {
         })
     }
 
+    /// The group whose messages the own socket receives; `None`: liblcm does.
+    pub(crate) fn socket(&self) -> Option<&Group> {
+        match self {
+            Self::Multicast(group) if !group.through_liblcm => Some(group),
+            _ => None,
+        }
+    }
+
     /// The URL for liblcm: everything spelled out.
     pub(crate) fn for_liblcm(&self) -> String {
         match self {
-            Self::Multicast(group) => format!("udpm://{}?ttl={}", group.address, group.ttl),
+            Self::Multicast(group) => {
+                let Group { address, ttl, .. } = group;
+                format!(
+                    "udpm://{address}?ttl={ttl}&recv_buf_size={}",
+                    group.receive_buffer
+                )
+            }
             Self::Memory => "memq://".to_owned(),
         }
     }
@@ -91,6 +107,7 @@ fn group(network: &str, options: &str) -> Result<Group, String> {
         address: SocketAddrV4::new(ip, port),
         ttl: 0,
         receive_buffer: DEFAULT_RECEIVE_BUFFER,
+        through_liblcm: false,
     };
     for option in options.split('&').filter(|option| !option.is_empty()) {
         match option.split_once('=').unwrap_or((option, "")) {
@@ -98,7 +115,10 @@ fn group(network: &str, options: &str) -> Result<Group, String> {
             ("recv_buf_size", value) => {
                 group.receive_buffer = number("recv_buf_size", value, 1, 1 << 30)?;
             }
-            (name, _) => return Err(format!("option \"{name}\" is not ttl or recv_buf_size")),
+            ("receive", "socket") => group.through_liblcm = false,
+            ("receive", "liblcm") => group.through_liblcm = true,
+            ("receive", value) => return Err(format!("receive is \"{value}\", not socket or liblcm")),
+            (name, _) => return Err(format!("option \"{name}\" is not ttl, recv_buf_size or receive")),
         }
     }
     Ok(group)
@@ -127,6 +147,15 @@ mod tests {
         };
         assert_eq!(group.address.to_string(), "239.255.76.67:7001");
         assert_eq!((group.ttl, group.receive_buffer), (1, 65536));
+        assert!(!group.through_liblcm);
+        let liblcm = Group::of("udpm://:7001?ttl=1&recv_buf_size=65536&receive=liblcm").unwrap();
+        assert_eq!(
+            liblcm,
+            Some(Group {
+                through_liblcm: true,
+                ..group
+            })
+        );
         assert_eq!(
             Group::of("udpm://:7001?ttl=1&recv_buf_size=65536").unwrap(),
             Some(group)
@@ -155,7 +184,11 @@ mod tests {
             ),
             (
                 "udpm://239.0.0.1:7667?tll=1",
-                "option \"tll\" is not ttl or recv_buf_size",
+                "option \"tll\" is not ttl, recv_buf_size or receive",
+            ),
+            (
+                "udpm://239.0.0.1:7667?receive=python",
+                "receive is \"python\", not socket or liblcm",
             ),
             ("memq://x", "memq takes no \"x\""),
             ("tcpq://", "liblcm's tcpq can't publish and receive"),

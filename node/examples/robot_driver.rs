@@ -14,9 +14,7 @@
 
 use anyhow::bail;
 use clap::Parser;
-use crossbeam::channel::RecvError;
-use crossbeam::select;
-use lcmtypes::{Lcm, Received, Subscription};
+use lcmtypes::{Lcm, Received, Subscription, Woken};
 use node::clock;
 use node::commanded::{Commanded, STANDING_RAD_PER_S};
 use node::problem::Problem;
@@ -84,20 +82,8 @@ struct Driver<D> {
     set_points: Axes,
 }
 
-/// Why the driver ends.
-enum Ended {
-    Signal,
-    Link,
-}
-
-impl From<RecvError> for Ended {
-    fn from(_: RecvError) -> Self {
-        Self::Link
-    }
-}
-
 impl<D: Drives> Driver<D> {
-    fn start(flags: &Flags, node: RealTime, mut drives: D) -> anyhow::Result<Self> {
+    fn start(flags: &Flags, mut node: RealTime, mut drives: D) -> anyhow::Result<Self> {
         let mut device = flags.device_link()?;
         let (commands, deflections) = (device.subscribe(64), device.subscribe(64));
         let (tasks, peers) = (device.subscribe(16), device.subscribe(64));
@@ -108,8 +94,8 @@ impl<D: Drives> Driver<D> {
             drives,
             commanded,
             period_ticks: node.shell.scenario.timing.command_period_ticks,
+            device: node.shell.start_link(device)?,
             node,
-            device: device.start()?,
             commands,
             deflections,
             tasks,
@@ -120,12 +106,13 @@ impl<D: Drives> Driver<D> {
         })
     }
 
-    /// Tick by tick, by absolute deadlines. What is late by more than a tick stays late: nothing is caught up.
-    fn drive(&mut self) -> Ended {
+    /// Tick by tick, by absolute deadlines, until a signal comes. What is late by more than a tick stays late: nothing is caught
+    /// up.
+    fn drive(&mut self) -> anyhow::Result<()> {
         let (mut due, mut slip) = (clock::now(), Duration::ZERO);
         loop {
-            if let Err(ended) = self.hear_until(due) {
-                return ended;
+            if self.hear_until(due)? == Woken::Stopped {
+                return Ok(());
             }
             let late = clock::now().saturating_duration_since(due);
             if late > TICK {
@@ -188,21 +175,26 @@ impl<D: Drives> Driver<D> {
     }
 
     /// Hear what comes until `due`; a flood of messages does not hold up the tick.
-    fn hear_until(&mut self, due: Instant) -> Result<(), Ended> {
+    fn hear_until(&mut self, due: Instant) -> anyhow::Result<Woken> {
         loop {
             self.node.keep_status(&self.device, &[&self.device]);
             let wake = due.min(self.node.status_due());
             let pause = wake.saturating_duration_since(clock::now());
-            select! {
-                recv(self.commands.receiver()) -> it => self.take_command(&it?),
-                recv(self.deflections.receiver()) -> it => self.take_deflections(&it?.message),
-                recv(self.tasks.receiver()) -> it => self.take_task(&it?.message),
-                recv(self.peers.receiver()) -> it => { self.node.hear(&it?.message); }
-                recv(self.node.shell.stop) -> _ => return Err(Ended::Signal),
-                default(pause) => {}
+            let woken = self.node.shell.wait(Some(pause))?;
+            while let Some(received) = self.peers.take() {
+                self.node.hear(&received.message);
             }
-            if clock::now() >= due {
-                return Ok(());
+            while let Some(received) = self.deflections.take() {
+                self.take_deflections(&received.message);
+            }
+            while let Some(received) = self.commands.take() {
+                self.take_command(&received);
+            }
+            while let Some(received) = self.tasks.take() {
+                self.take_task(&received.message);
+            }
+            if woken == Woken::Stopped || clock::now() >= due {
+                return Ok(woken);
             }
         }
     }
@@ -254,9 +246,7 @@ fn run(flags: &Flags) -> anyhow::Result<()> {
             set_points: axes,
         },
     )?;
-    if let Ended::Link = driver.drive() {
-        bail!("the LCM link no longer receives; restart the driver");
-    }
+    driver.drive()?;
     driver.node.shell.finish()
 }
 

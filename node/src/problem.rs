@@ -70,8 +70,6 @@ pub enum Problem {
         /// Why.
         cause: String,
     },
-    /// A link no longer receives.
-    LinkEnded,
 }
 
 impl Problem {
@@ -108,7 +106,6 @@ impl Problem {
             Self::WorldSilent { tick, .. } => (Fault::SimLost, Role::Sensor, *tick, *tick - 1),
             Self::OwnMessage { .. } => (Fault::MessageInvalid, own, 0, 0),
             Self::Record { .. } => (Fault::RecordFailed, own, 0, 0),
-            Self::LinkEnded => (Fault::SimLost, own, 0, 0),
         }
     }
 }
@@ -193,7 +190,6 @@ impl fmt::Display for Problem {
                 "the record {} can't be written: {cause}; make room or run without --record",
                 path.display()
             ),
-            Self::LinkEnded => write!(f, "the LCM link no longer receives; restart the node"),
         }
     }
 }

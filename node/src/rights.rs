@@ -1,5 +1,4 @@
-//! Real-time rights of the thread that controls, and of the receiving ones that it starts: asked for where the system grants
-//! them, reported where not.
+//! Real-time rights of the thread that controls: asked for where the system grants them, reported where not.
 
 use rustix::mm::{MlockAllFlags, mlockall};
 use rustix::thread::{CpuSet, sched_setaffinity, set_current_timer_slack};

@@ -11,13 +11,15 @@ use crate::record::Recorder;
 use crate::scenario::{Scenario, TimingMode};
 use anyhow::Context;
 use crossbeam::channel::{Receiver, bounded};
-use lcmtypes::{Counters, Encoded, Lcm, LcmBuilder, Message};
+use lcmtypes::{Counters, Encoded, Inboxes, Lcm, LcmBuilder, Message, Woken};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use spatial::ports::{NodeStatus, Role};
 use std::io::IsTerminal;
+use std::os::unix::net::UnixStream;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Duration;
 
 /// The flags of every node.
 #[derive(Clone, Debug, clap::Args)]
@@ -54,8 +56,7 @@ pub struct Shell {
     pub scenario: Scenario,
     /// What it publishes of itself.
     pub health: Health,
-    /// Says when a signal asks the process to end.
-    pub stop: Receiver<()>,
+    inboxes: Inboxes,
     recorder: Option<Recorder>,
     role: Role,
     greeted: bool,
@@ -79,7 +80,7 @@ impl Flags {
         if let Some(parent) = self.with_parent {
             follow(parent)?;
         }
-        let stop = signals()?;
+        let inboxes = Inboxes::new(stop_stream()?);
         let scenario = Scenario::load(&self.scenario, &self.set)?;
         let loss = scenario.network.loss_ratio;
         anyhow::ensure!(
@@ -93,7 +94,7 @@ impl Flags {
         Ok(Shell {
             scenario,
             health,
-            stop,
+            inboxes,
             recorder,
             role,
             greeted: false,
@@ -121,6 +122,17 @@ impl Flags {
 }
 
 impl Shell {
+    /// Start a link whose messages [`Self::wait`] receives.
+    pub fn start_link(&mut self, builder: LcmBuilder) -> anyhow::Result<Lcm> {
+        Ok(self.inboxes.start(builder)?)
+    }
+
+    /// Wait for messages, for at most `limit` (`None`: for ever), in the calling thread: what has come is in the
+    /// subscriptions afterwards.
+    pub fn wait(&mut self, limit: Option<Duration>) -> anyhow::Result<Woken> {
+        self.inboxes.wait(limit).context("can't wait for messages")
+    }
+
     /// Check, encode, record and publish a new message; returns its bytes, to be repeated on request.
     ///
     /// A message that can't be encoded or recorded is a [`Problem`] of this node.
@@ -264,6 +276,17 @@ pub fn log_to_stderr() {
         .with_target(false)
         .without_time()
         .try_init();
+}
+
+/// A stream that has something to read once a signal has asked the process to end.
+fn stop_stream() -> anyhow::Result<UnixStream> {
+    let failed = "can't handle signals";
+    let (stop, sender) = UnixStream::pair().context(failed)?;
+    for signal in [SIGTERM, SIGINT, SIGHUP] {
+        let sender = sender.try_clone().context(failed)?;
+        signal_hook::low_level::pipe::register(signal, sender).context(failed)?;
+    }
+    Ok(stop)
 }
 
 /// A receiver that gets one message for each signal that asks the process to end.

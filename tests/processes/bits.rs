@@ -48,6 +48,17 @@ fn the_pd_law_with_another_period_and_seed() {
     assert_same_bits(&Bench::new(&changes).unwrap());
 }
 
+/// Messages that liblcm receives instead of the own socket.
+#[test]
+fn through_liblcm() {
+    let mut bench = Bench::new(&[]).unwrap();
+    let wiring = &mut bench.plan.wiring;
+    for url in wiring.device.iter_mut().chain(&mut wiring.world) {
+        url.push_str("&receive=liblcm");
+    }
+    assert_same_bits(&bench);
+}
+
 /// What is learnt in contact goes back into the law.
 #[test]
 fn an_adapted_compliance() {

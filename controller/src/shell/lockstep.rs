@@ -6,9 +6,8 @@ mod inputs;
 
 use controller::agenda::Agenda;
 use controller::{Controller, Heard};
-use crossbeam::select;
 use inputs::Inputs;
-use lcmtypes::{Encoded, Lcm, Received};
+use lcmtypes::{Encoded, Lcm, Received, Woken};
 use node::clock;
 use node::lockstep::{Answer, Follower};
 use node::problem::Problem;
@@ -24,7 +23,7 @@ pub(super) fn run(flags: &Flags, mut shell: Shell) -> anyhow::Result<Shell> {
     let object_poses = device.subscribe::<ObjectPose>(16);
     let tasks = device.subscribe::<Task>(16);
     let peers = device.subscribe::<NodeStatus>(16);
-    let device = device.start()?;
+    let device = shell.start_link(device)?;
     let timing = &shell.scenario.timing;
     let mut node = Node {
         follower: Follower::new(
@@ -37,32 +36,22 @@ pub(super) fn run(flags: &Flags, mut shell: Shell) -> anyhow::Result<Shell> {
         agenda: Agenda::default(),
         answers: [const { None }; 2],
     };
-    loop {
-        select! {
-            recv(states.receiver()) -> received => match received {
-                Ok(Received { message, .. }) => node.take_state(&mut shell, &device, message),
-                Err(_) => break shell.report(&Problem::LinkEnded),
-            },
-            recv(deflections.receiver()) -> received => match received {
-                Ok(Received { message, .. }) => node.take_deflections(&mut shell, &device, message),
-                Err(_) => break shell.report(&Problem::LinkEnded),
-            },
-            recv(object_poses.receiver()) -> received => match received {
-                Ok(Received { message, .. }) => node.take_object_pose(&mut shell, &device, message),
-                Err(_) => break shell.report(&Problem::LinkEnded),
-            },
-            recv(tasks.receiver()) -> received => match received {
-                Ok(Received { message, .. }) => node.take_task(&message),
-                Err(_) => break shell.report(&Problem::LinkEnded),
-            },
-            recv(peers.receiver()) -> received => match received {
-                Ok(Received { message, .. }) => {
-                    shell.count(&[&device]);
-                    shell.greet(&device, &message);
-                }
-                Err(_) => break shell.report(&Problem::LinkEnded),
-            },
-            recv(shell.stop) -> _ => break,
+    while shell.wait(None)? != Woken::Stopped {
+        while let Some(Received { message, .. }) = peers.take() {
+            shell.count(&[&device]);
+            shell.greet(&device, &message);
+        }
+        while let Some(Received { message, .. }) = tasks.take() {
+            node.take_task(&message);
+        }
+        while let Some(Received { message, .. }) = states.take() {
+            node.take_state(&mut shell, &device, message);
+        }
+        while let Some(Received { message, .. }) = object_poses.take() {
+            node.take_object_pose(&mut shell, &device, message);
+        }
+        while let Some(Received { message, .. }) = deflections.take() {
+            node.take_deflections(&mut shell, &device, message);
         }
         shell.tell(&device);
     }

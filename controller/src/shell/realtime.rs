@@ -6,11 +6,9 @@ use super::timeline::Timeline;
 use controller::agenda::Agenda;
 use controller::margins::Assessment;
 use controller::{Controller, Heard};
-use crossbeam::channel::{Receiver, RecvError, Sender, bounded};
-use crossbeam::select;
-use lcmtypes::{Lcm, Received, Subscription};
+use crossbeam::channel::{Receiver, Sender, bounded};
+use lcmtypes::{Lcm, Received, Subscription, Woken};
 use node::clock;
-use node::problem::Problem;
 use node::rights;
 use node::scenario::Scenario;
 use node::shell::{Flags, RealTime, Shell};
@@ -53,10 +51,12 @@ struct Waiting {
 
 /// Run the node until a signal ends it.
 pub(super) fn run(flags: &Flags, process: RealTime) -> anyhow::Result<Shell> {
+    let mut process = process;
     let mut device = flags.device_link()?;
     let (states, deflections) = (device.subscribe(16), device.subscribe(16));
     let (object_poses, tasks) = (device.subscribe(16), device.subscribe(16));
     let peers = device.subscribe(64);
+    let device = process.shell.start_link(device)?;
     let scenario = &process.shell.scenario;
     let mut node = Node {
         controller: Controller::new(scenario),
@@ -68,7 +68,7 @@ pub(super) fn run(flags: &Flags, process: RealTime) -> anyhow::Result<Shell> {
         assessments: bounded(4),
         next_look: clock::now() + LOOK,
         warned: false,
-        device: device.start()?,
+        device,
         states,
         deflections,
         object_poses,
@@ -76,32 +76,35 @@ pub(super) fn run(flags: &Flags, process: RealTime) -> anyhow::Result<Shell> {
         peers,
         process,
     };
-    while node.step().is_ok_and(|goes_on| goes_on) {}
+    while node.step()? {}
     Ok(node.process.shell)
 }
 
 impl Node {
     /// Take what comes next, and run the cycle if it is due; `false`: a signal asks for the end.
-    fn step(&mut self) -> Result<bool, RecvError> {
+    fn step(&mut self) -> anyhow::Result<bool> {
         self.process.keep_status(&self.device, &[&self.device]);
         let status = self.process.status_due();
         let wake = self.schedule.due().map_or(status, |due| due.min(status));
         let pause = wake.saturating_duration_since(clock::now());
-        let outcome = select! {
-            recv(self.states.receiver()) -> received => received.map(|it| self.take_state(&it)),
-            recv(self.deflections.receiver()) -> received => received.map(|it| self.take_deflections(&it)),
-            recv(self.object_poses.receiver()) -> received => received.map(|it| self.take_object(&it)),
-            recv(self.tasks.receiver()) -> received => received.map(|it| self.take_task(it.message)),
-            recv(self.peers.receiver()) -> received => received.map(|it| self.take_status(&it.message)),
-            recv(self.process.shell.stop) -> _ => return Ok(false),
-            default(pause) => Ok(()),
-        };
-        if outcome.is_err() {
-            self.process.shell.report(&Problem::LinkEnded);
+        if self.process.shell.wait(Some(pause))? == Woken::Stopped {
+            return Ok(false);
         }
-        outcome?;
-        // A controller that has stood still goes on with the newest state, and does not make up for cycles whose time is over.
-        while let Ok(next) = self.states.receiver().try_recv() {
+        // All of it: a controller that has stood still goes on with the newest state, and does not make up for cycles whose
+        // time is over.
+        while let Some(next) = self.peers.take() {
+            self.take_status(&next.message);
+        }
+        while let Some(next) = self.tasks.take() {
+            self.take_task(next.message);
+        }
+        while let Some(next) = self.object_poses.take() {
+            self.take_object(&next);
+        }
+        while let Some(next) = self.deflections.take() {
+            self.take_deflections(&next);
+        }
+        while let Some(next) = self.states.take() {
             self.take_state(&next);
         }
         if let Some(begun) = self.schedule.begin(clock::now()) {

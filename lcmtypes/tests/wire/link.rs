@@ -4,8 +4,9 @@ use crate::draw::Counting;
 use crate::samples::Sample;
 use crate::{expect, udpm_url};
 use crossbeam::select;
-use lcmtypes::{LcmBuilder, LcmError, Message, RawMessage, Received, Refusal, Subscription};
+use lcmtypes::{Inboxes, LcmBuilder, LcmError, Message, RawMessage, Received, Refusal, Subscription, Woken};
 use spatial::ports::*;
+use std::os::unix::net::UnixStream;
 use std::time::Duration;
 
 pub(crate) const PATIENCE: Duration = Duration::from_secs(10);
@@ -16,6 +17,13 @@ pub(crate) fn next<M: Clone>(subscription: &Subscription<M>) -> M {
         .recv_timeout(PATIENCE)
         .expect("a message within 10 s")
         .message
+}
+
+/// In memory, over multicast, and over multicast received by liblcm.
+fn urls() -> [String; 3] {
+    let multicast = udpm_url();
+    let liblcm = format!("{multicast}&receive=liblcm");
+    ["memq://".to_owned(), multicast, liblcm]
 }
 
 fn task(step: i64) -> Task {
@@ -30,7 +38,7 @@ fn task(step: i64) -> Task {
 
 #[test]
 fn a_message_arrives_as_it_was_published() {
-    for url in ["memq://".to_owned(), udpm_url()] {
+    for url in urls() {
         let mut builder = expect(LcmBuilder::open(&url));
         let states = builder.subscribe::<RobotState>(8);
         let tasks = builder.subscribe::<Task>(8);
@@ -67,7 +75,7 @@ fn an_encoding_can_be_published_again() {
 
 #[test]
 fn a_full_queue_keeps_the_newest() {
-    for url in ["memq://".to_owned(), udpm_url()] {
+    for url in urls() {
         let mut builder = expect(LcmBuilder::open(&url));
         let tasks = builder.subscribe::<Task>(2);
         let all = builder.subscribe_all(8);
@@ -86,7 +94,7 @@ fn a_full_queue_keeps_the_newest() {
 
 #[test]
 fn a_channel_is_matched_by_its_whole_name() {
-    for url in ["memq://".to_owned(), udpm_url()] {
+    for url in urls() {
         let mut builder = expect(LcmBuilder::open(&url));
         let tasks = builder.subscribe::<Task>(8);
         let lcm = expect(builder.start());
@@ -102,7 +110,7 @@ fn a_channel_is_matched_by_its_whole_name() {
 
 #[test]
 fn an_undecodable_message_is_counted_and_explained() {
-    for url in ["memq://".to_owned(), udpm_url()] {
+    for url in urls() {
         let mut builder = expect(LcmBuilder::open(&url));
         let tasks = builder.subscribe::<Task>(8);
         let lcm = expect(builder.start());
@@ -122,7 +130,7 @@ fn an_undecodable_message_is_counted_and_explained() {
 
 #[test]
 fn a_link_that_ends_disconnects_its_subscriptions() {
-    for url in ["memq://".to_owned(), udpm_url()] {
+    for url in urls() {
         let mut builder = expect(LcmBuilder::open(&url));
         let tasks = builder.subscribe::<Task>(8);
         let all = builder.subscribe_all(8);
@@ -168,5 +176,38 @@ fn nothing_unchecked_is_published() {
             lcm.publish_raw(channel, &[]),
             Err(LcmError::ChannelName(_))
         ));
+    }
+}
+
+/// A thread that receives by itself gets what has come to all its links, is woken for it and when it is to stop.
+#[test]
+fn a_thread_receives_from_its_links_by_itself() {
+    for url in urls() {
+        let (stop, sender) = UnixStream::pair().unwrap();
+        let mut inboxes = Inboxes::new(stop);
+        let mut builders = [&url, "memq://"].map(|url| expect(LcmBuilder::open(url)));
+        let tasks = [0, 1].map(|i| builders[i].subscribe::<Task>(8));
+        let links = builders.map(|builder| expect(inboxes.start(builder)));
+        assert_eq!(
+            inboxes.wait(Some(Duration::ZERO)).unwrap(),
+            Woken::Nothing,
+            "{url}"
+        );
+        for (i, step) in [(0, 1), (1, 2), (0, 3)] {
+            expect(links[i].publish(&task(step)));
+        }
+        let mut steps = [Vec::new(), Vec::new()];
+        while steps.iter().map(Vec::len).sum::<usize>() < 3 {
+            assert_eq!(inboxes.wait(Some(PATIENCE)).unwrap(), Woken::Messages, "{url}");
+            for (steps, tasks) in steps.iter_mut().zip(&tasks) {
+                steps.extend(std::iter::from_fn(|| tasks.take()).map(|it| it.message.stamp.step));
+            }
+        }
+        assert_eq!(steps, [vec![1, 3], vec![2]], "{url}");
+        assert!(tasks[0].take().is_none());
+        let third = expect(LcmBuilder::open("memq://"));
+        assert!(matches!(inboxes.start(third), Err(LcmError::Links { most: 2 })));
+        drop(sender);
+        assert_eq!(inboxes.wait(None).unwrap(), Woken::Stopped, "{url}");
     }
 }

@@ -3,9 +3,7 @@
 //! At tick n the robot publishes `SIM_LINK_MOTION`, and `ROBOT_STATE` when n is a multiple of T; it goes on once
 //! `SIM_TOOL_MOTION` of n and, where due, `ROBOT_COMMAND` of n have come. It alone repeats what is unanswered.
 
-use crossbeam::channel::RecvError;
-use crossbeam::select;
-use lcmtypes::{Encoded, Lcm, Message, Received, Subscription};
+use lcmtypes::{Encoded, Lcm, Message, Received, Subscription, Woken};
 use node::clock;
 use node::greeting;
 use node::lockstep::{PEER_SILENT, Retransmission};
@@ -34,18 +32,19 @@ struct Robot {
 enum Interrupted {
     Stop,
     Problem(Problem),
+    Failed(anyhow::Error),
 }
 
 /// Run the node until a signal ends it.
-pub(super) fn run(flags: &Flags, shell: Shell) -> anyhow::Result<Shell> {
+pub(super) fn run(flags: &Flags, mut shell: Shell) -> anyhow::Result<Shell> {
     let (mut device, mut world) = (flags.device_link()?, flags.simulation_link()?);
     let tools = world.subscribe(16);
     let commands = device.subscribe(16);
     let peers = device.subscribe(16);
     let mut robot = Robot {
+        device: shell.start_link(device)?,
+        world: shell.start_link(world)?,
         shell,
-        device: device.start()?,
-        world: world.start()?,
         tools,
         commands,
         peers,
@@ -62,6 +61,7 @@ pub(super) fn run(flags: &Flags, shell: Shell) -> anyhow::Result<Shell> {
             robot.idle();
         }
         Err(Interrupted::Stop) => {}
+        Err(Interrupted::Failed(error)) => return Err(error),
     }
     Ok(robot.shell)
 }
@@ -164,19 +164,15 @@ impl Robot {
                 repeats += 1;
                 deadline = now + self.timer.wait(repeats);
             }
-            select! {
-                recv(self.tools.receiver()) -> received => {
-                    tool = self.fresh(received, tick, Role::Sensor)?.or(tool);
-                }
-                recv(self.commands.receiver()) -> received => {
-                    command = self.fresh(received, tick, Role::Controller)?.or(command);
-                }
-                recv(self.peers.receiver()) -> received => {
-                    let Received { message, .. } = received.map_err(ended)?;
-                    self.heed(&message)?;
-                }
-                recv(self.shell.stop) -> _ => return Err(Interrupted::Stop),
-                default(deadline.saturating_duration_since(now)) => {}
+            self.wait(deadline.saturating_duration_since(now))?;
+            while let Some(received) = self.tools.take() {
+                tool = self.fresh(received, tick, Role::Sensor)?.or(tool);
+            }
+            while let Some(received) = self.commands.take() {
+                command = self.fresh(received, tick, Role::Controller)?.or(command);
+            }
+            while let Some(Received { message, .. }) = self.peers.take() {
+                self.heed(&message)?;
             }
         }
     }
@@ -184,11 +180,11 @@ impl Robot {
     /// The message if it answers `tick`; older ones are late duplicates, newer or foreign ones break the lockstep.
     fn fresh<M: Message>(
         &self,
-        received: Result<Received<M>, RecvError>,
+        received: Received<M>,
         tick: i64,
         peer: Role,
     ) -> Result<Option<M>, Interrupted> {
-        let Received { message, .. } = received.map_err(ended)?;
+        let Received { message, .. } = received;
         let found = message.stamp();
         let expected = Stamp::lockstep(tick, self.shell.health.hello().seed, peer);
         if found.boot_id != expected.boot_id || found.step > tick {
@@ -239,20 +235,26 @@ impl Robot {
 
     /// The next status of a node, or none until `deadline`.
     fn peer_until(&mut self, deadline: Instant) -> Result<Option<NodeStatus>, Interrupted> {
-        let remaining = deadline.saturating_duration_since(clock::now());
-        if remaining.is_zero() {
-            return Ok(None);
-        }
-        select! {
-            recv(self.peers.receiver()) -> received => Ok(Some(received.map_err(ended)?.message)),
-            recv(self.shell.stop) -> _ => Err(Interrupted::Stop),
-            default(remaining) => Ok(None),
+        loop {
+            let remaining = deadline.saturating_duration_since(clock::now());
+            if remaining.is_zero() {
+                return Ok(None);
+            }
+            if let Some(received) = self.peers.take() {
+                return Ok(Some(received.message));
+            }
+            self.wait(remaining)?;
         }
     }
-}
 
-fn ended(_: RecvError) -> Interrupted {
-    Interrupted::Problem(Problem::LinkEnded)
+    /// Wait for messages, for at most `limit`.
+    fn wait(&mut self, limit: Duration) -> Result<(), Interrupted> {
+        match self.shell.wait(Some(limit)) {
+            Ok(Woken::Stopped) => Err(Interrupted::Stop),
+            Ok(_) => Ok(()),
+            Err(error) => Err(Interrupted::Failed(error)),
+        }
+    }
 }
 
 fn silent(peers: Vec<Role>, tick: i64) -> Interrupted {

@@ -4,9 +4,7 @@
 //! has answered with `SIM_TOOL_MOTION`. Commands are heard whenever they come. Where the plant can't keep up, its time
 //! slips: what was late stays late, and nothing is caught up.
 
-use crossbeam::channel::RecvError;
-use crossbeam::select;
-use lcmtypes::{Encoded, Lcm, Received, Subscription};
+use lcmtypes::{Encoded, Lcm, Received, Subscription, Woken};
 use node::clock;
 use node::lockstep::Retransmission;
 use node::problem::Problem;
@@ -20,8 +18,6 @@ use std::time::{Duration, Instant};
 const TICK: Duration = Duration::from_micros(spatial::TICK_US as u64);
 /// The world may stand still for so long before that is a fault.
 const WORLD_SILENT: Duration = Duration::from_millis(200);
-/// So many messages are heard by a node that is late.
-const MOST_WHEN_LATE: usize = 64;
 
 struct Robot {
     node: RealTime,
@@ -43,26 +39,20 @@ struct Robot {
 /// Why the work ends before the scenario does.
 enum Interrupted {
     Stop,
-    LinkEnded,
-}
-
-impl From<RecvError> for Interrupted {
-    fn from(_: RecvError) -> Self {
-        Self::LinkEnded
-    }
+    Failed(anyhow::Error),
 }
 
 /// Run the node until a signal ends it.
-pub(super) fn run(flags: &Flags, node: RealTime) -> anyhow::Result<Shell> {
+pub(super) fn run(flags: &Flags, mut node: RealTime) -> anyhow::Result<Shell> {
     let (mut device, mut world) = (flags.device_link()?, flags.simulation_link()?);
     let tools = world.subscribe(16);
     let (commands, deflections) = (device.subscribe(64), device.subscribe(64));
     let (tasks, peers) = (device.subscribe(16), device.subscribe(64));
     let mut robot = Robot {
         robot: RobotSim::new(&node.shell.scenario),
+        device: node.shell.start_link(device)?,
+        world: node.shell.start_link(world)?,
         node,
-        device: device.start()?,
-        world: world.start()?,
         tools,
         commands,
         deflections,
@@ -73,12 +63,10 @@ pub(super) fn run(flags: &Flags, node: RealTime) -> anyhow::Result<Shell> {
         now: (0, clock::now()),
     };
     robot.robot.require_sensor();
-    if let Err(Interrupted::LinkEnded) = robot.simulate() {
-        robot.node.shell.report(&Problem::LinkEnded);
-        // Until a signal comes.
-        let _ = robot.wait_for(|_| false, None);
+    match robot.simulate() {
+        Ok(()) | Err(Interrupted::Stop) => Ok(robot.node.shell),
+        Err(Interrupted::Failed(error)) => Err(error),
     }
-    Ok(robot.node.shell)
 }
 
 impl Robot {
@@ -159,36 +147,43 @@ impl Robot {
         done: impl Fn(&Self) -> bool,
         deadline: Option<Instant>,
     ) -> Result<(), Interrupted> {
-        // What has come is heard even if the node is late, but no flood holds it up.
-        let mut late = 0;
-        while late < MOST_WHEN_LATE {
+        loop {
             self.node.keep_status(&self.device, &[&self.device, &self.world]);
             if done(self) {
-                break;
+                return Ok(());
             }
+            // What has come is heard even if the node is late, but no flood holds it up.
             let now = clock::now();
             let past = deadline.is_some_and(|deadline| now >= deadline);
-            late += usize::from(past);
             let wake = self.node.status_due();
             let wake = deadline.map_or(wake, |deadline| deadline.min(wake));
-            select! {
-                recv(self.tools.receiver()) -> received => self.take_tool(&received?.message),
-                recv(self.commands.receiver()) -> received => {
-                    let Received { message, received_at } = received?;
-                    self.take_command(&message, received_at);
-                }
-                recv(self.deflections.receiver()) -> received => self.take_deflections(&received?.message),
-                recv(self.tasks.receiver()) -> received => self.take_task(&received?.message),
-                recv(self.peers.receiver()) -> received => {
-                    self.node.hear(&received?.message);
-                }
-                recv(self.node.shell.stop) -> _ => return Err(Interrupted::Stop),
-                default(wake.saturating_duration_since(now)) => if past {
-                    break;
-                }
+            match self.node.shell.wait(Some(wake.saturating_duration_since(now))) {
+                Ok(Woken::Stopped) => return Err(Interrupted::Stop),
+                Ok(_) => self.take_all(),
+                Err(error) => return Err(Interrupted::Failed(error)),
+            }
+            if past {
+                return Ok(());
             }
         }
-        Ok(())
+    }
+
+    fn take_all(&mut self) {
+        while let Some(Received { message, .. }) = self.peers.take() {
+            self.node.hear(&message);
+        }
+        while let Some(Received { message, .. }) = self.tools.take() {
+            self.take_tool(&message);
+        }
+        while let Some(Received { message, .. }) = self.deflections.take() {
+            self.take_deflections(&message);
+        }
+        while let Some(Received { message, received_at }) = self.commands.take() {
+            self.take_command(&message, received_at);
+        }
+        while let Some(Received { message, .. }) = self.tasks.take() {
+            self.take_task(&message);
+        }
     }
 
     fn take_tool(&mut self, tool: &ToolMotion) {

@@ -1,8 +1,7 @@
 //! Lockstep over LCM: the sensor answers `SIM_LINK_MOTION` of tick n with `SIM_TOOL_MOTION`, `SIM_TRUTH`,
 //! `SENSOR_DEFLECTION` and, where it is due, `OBJECT_POSE` of n, and a repeated tick with the same bytes.
 
-use crossbeam::select;
-use lcmtypes::{Encoded, Lcm, Received};
+use lcmtypes::{Encoded, Lcm, Received, Woken};
 use node::clock;
 use node::lockstep::{Answer, Follower};
 use node::problem::Problem;
@@ -15,7 +14,7 @@ pub(super) fn run(flags: &Flags, mut shell: Shell) -> anyhow::Result<Shell> {
     let (mut device, mut world) = (flags.device_link()?, flags.simulation_link()?);
     let links = world.subscribe::<LinkMotion>(16);
     let peers = device.subscribe::<NodeStatus>(16);
-    let (device, world) = (device.start()?, world.start()?);
+    let (device, world) = (shell.start_link(device)?, shell.start_link(world)?);
     let mut sensor = Sensor {
         follower: Follower::new(
             1,
@@ -24,20 +23,13 @@ pub(super) fn run(flags: &Flags, mut shell: Shell) -> anyhow::Result<Shell> {
         simulation: None,
         answers: [const { None }; 4],
     };
-    loop {
-        select! {
-            recv(links.receiver()) -> received => match received {
-                Ok(Received { message, .. }) => sensor.answer(&mut shell, &device, &world, &message),
-                Err(_) => break shell.report(&Problem::LinkEnded),
-            },
-            recv(peers.receiver()) -> received => match received {
-                Ok(Received { message, .. }) => {
-                    shell.count(&[&device, &world]);
-                    shell.greet(&device, &message);
-                }
-                Err(_) => break shell.report(&Problem::LinkEnded),
-            },
-            recv(shell.stop) -> _ => break,
+    while shell.wait(None)? != Woken::Stopped {
+        while let Some(Received { message, .. }) = peers.take() {
+            shell.count(&[&device, &world]);
+            shell.greet(&device, &message);
+        }
+        while let Some(Received { message, .. }) = links.take() {
+            sensor.answer(&mut shell, &device, &world, &message);
         }
         shell.tell(&device);
     }

@@ -3,11 +3,9 @@
 //! After a restart, of this node or of robot-sim, the tool is at rest again: hanging, or pressing where it was pressed.
 
 use super::offset::Offset;
-use crossbeam::select;
-use lcmtypes::{Encoded, Lcm, Received};
+use lcmtypes::{Encoded, Lcm, Received, Woken};
 use node::clock;
 use node::lockstep::{Answer, Follower};
-use node::problem::Problem;
 use node::shell::{Flags, RealTime, Shell};
 use sensor_sim::{Outputs, SensorSim};
 use spatial::TICK_US;
@@ -31,30 +29,22 @@ pub(super) fn run(flags: &Flags, mut node: RealTime) -> anyhow::Result<Shell> {
     let links = world.subscribe::<LinkMotion>(16);
     let commands = device.subscribe::<Command>(64);
     let peers = device.subscribe::<NodeStatus>(64);
-    let (device, world) = (device.start()?, world.start()?);
+    let (device, world) = (node.shell.start_link(device)?, node.shell.start_link(world)?);
     let mut sensor: Option<World> = None;
     loop {
         node.keep_status(&device, &[&device, &world]);
         let pause = node.status_due().saturating_duration_since(clock::now());
-        select! {
-            recv(links.receiver()) -> received => match received {
-                Ok(Received { message, received_at }) => {
-                    answer(&mut sensor, &mut node, [&device, &world], &message, received_at);
-                }
-                Err(_) => break node.shell.report(&Problem::LinkEnded),
-            },
-            recv(commands.receiver()) -> received => match received {
-                Ok(Received { message, received_at }) => node.take_echo(&message, received_at),
-                Err(_) => break node.shell.report(&Problem::LinkEnded),
-            },
-            recv(peers.receiver()) -> received => match received {
-                Ok(Received { message, .. }) => {
-                    node.hear(&message);
-                }
-                Err(_) => break node.shell.report(&Problem::LinkEnded),
-            },
-            recv(node.shell.stop) -> _ => break,
-            default(pause) => {}
+        if node.shell.wait(Some(pause))? == Woken::Stopped {
+            break;
+        }
+        while let Some(Received { message, .. }) = peers.take() {
+            node.hear(&message);
+        }
+        while let Some(Received { message, received_at }) = commands.take() {
+            node.take_echo(&message, received_at);
+        }
+        while let Some(Received { message, received_at }) = links.take() {
+            answer(&mut sensor, &mut node, [&device, &world], &message, received_at);
         }
     }
     Ok(node.shell)
