@@ -23,7 +23,7 @@ help: ## list the targets (default)
 
 demo: ## the paper's experiment with both laws, as three processes over LCM: table, figure, data in target/demo
 	@$(build)
-	@$(touchdown) run elastic_arm --laws elastic,pd --out target/demo
+	@$(touchdown) run elastic_arm --laws elastic,pd --record --out target/demo
 
 report: ## laws, scenarios and maps as one HTML file: target/report/report.html
 	@$(build)

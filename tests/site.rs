@@ -213,8 +213,7 @@ impl Site {
     pub fn finish(self) -> Result<Vec<Entry>, Box<dyn Error>> {
         let Self { cell, bench, .. } = self;
         cell.stop()?;
-        let records = [Role::Robot, Role::Sensor, Role::Controller].map(|role| bench.plan.record(role));
-        Ok(transcript::from_logs(&records)?)
+        Ok(transcript::from_logs(&bench.plan.records())?)
     }
 
     /// The link that is listened on.

@@ -84,16 +84,29 @@ impl Plan {
     pub fn record(&self, role: Role) -> PathBuf {
         self.directory.join(format!("{}.lcmlog", role_name(role)))
     }
+
+    /// The records of all nodes, in the order in which a tick goes through them.
+    pub fn records(&self) -> [PathBuf; 3] {
+        [Role::Robot, Role::Sensor, Role::Controller].map(|role| self.record(role))
+    }
 }
 
 /// Run the three programs through a scenario and return all they have said; their own records are removed.
 pub fn run(plan: &Plan, stop: &Receiver<()>, progress: impl FnMut(i64)) -> Result<Vec<Entry>, LaunchError> {
+    record(plan, stop, progress).map(transcript::said)
+}
+
+/// The same with all else that the nodes have recorded, in the order of time.
+pub fn record(
+    plan: &Plan,
+    stop: &Receiver<()>,
+    progress: impl FnMut(i64),
+) -> Result<Vec<Entry>, LaunchError> {
     let mut cell = Cell::start(plan)?;
     cell.watch(stop, progress)?;
     cell.stop()?;
-    let records = [Role::Robot, Role::Sensor, Role::Controller].map(|role| plan.record(role));
-    let entries = transcript::from_logs(&records)?;
-    for record in &records {
+    let entries = transcript::record(&plan.records())?;
+    for record in &plan.records() {
         // Everything is in `entries`; a file that can't be removed does no harm.
         let _ = std::fs::remove_file(record);
     }

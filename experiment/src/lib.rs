@@ -13,6 +13,7 @@ pub mod impact;
 pub mod in_process;
 pub mod launch;
 pub mod linear;
+pub mod log;
 pub mod metrics;
 pub mod network;
 pub mod out;

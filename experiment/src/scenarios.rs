@@ -110,7 +110,8 @@ mod tests {
         for name in names() {
             let source = Source::find(name).unwrap();
             assert_eq!(source.path, None);
-            source.scenario(&[]).unwrap();
+            let scenario = source.scenario(&[]).unwrap();
+            assert_eq!(Scenario::parse(name, &scenario.to_toml(), &[]), Ok(scenario));
         }
     }
 

@@ -1,10 +1,13 @@
 //! What was said in a run, message by message: from the loop in one process, or from the nodes' records.
+//!
+//! A record holds more: each node's status, and what the controller has heard.
 
 use crate::in_process;
-use lcmtypes::{Encoded, EventLogReader, EventLogWriter, LogError, Message};
+use lcmtypes::{Encoded, Event, EventLogReader, EventLogWriter, LogError, Message};
+use node::record::HEARD;
 use node::scenario::Scenario;
 use spatial::TICK_US;
-use spatial::ports::{Invalid, Task};
+use spatial::ports::{Invalid, NodeStatus, Task};
 use std::path::Path;
 
 /// One message of a run.
@@ -16,6 +19,16 @@ pub struct Entry {
     pub channel: String,
     /// Encoding.
     pub bytes: Vec<u8>,
+}
+
+impl From<Event> for Entry {
+    fn from(event: Event) -> Self {
+        Self {
+            utime: event.utime,
+            channel: event.channel,
+            bytes: event.bytes,
+        }
+    }
 }
 
 /// All messages that the three nodes publish in a run of `scenario`, NODE_STATUS excepted, ordered by tick and
@@ -55,21 +68,28 @@ pub fn in_process_with(scenario: &Scenario, tasks: &[Task]) -> Result<Vec<Entry>
     }
 }
 
-/// The messages of several nodes' records, ordered by tick and channel.
-pub fn from_logs<P: AsRef<Path>>(paths: &[P]) -> Result<Vec<Entry>, LogError> {
+/// All events of several nodes' records in the order of time; those of one tick in the order of the records.
+pub fn record<P: AsRef<Path>>(paths: &[P]) -> Result<Vec<Entry>, LogError> {
     let mut entries = Vec::new();
     for path in paths {
         for event in EventLogReader::open(path)? {
-            let event = event?;
-            entries.push(Entry {
-                utime: event.utime,
-                channel: event.channel,
-                bytes: event.bytes,
-            });
+            entries.push(Entry::from(event?));
         }
     }
-    entries.sort();
+    entries.sort_by_key(|entry| entry.utime);
     Ok(entries)
+}
+
+/// What nodes have said in a `record`, NODE_STATUS excepted, ordered by tick and channel.
+pub fn said(mut record: Vec<Entry>) -> Vec<Entry> {
+    record.retain(|entry| entry.channel != NodeStatus::CHANNEL && !entry.channel.starts_with(HEARD));
+    record.sort();
+    record
+}
+
+/// The messages of several nodes' records, as [`said`].
+pub fn from_logs<P: AsRef<Path>>(paths: &[P]) -> Result<Vec<Entry>, LogError> {
+    record(paths).map(said)
 }
 
 /// Write `entries` as one LCM event log.

@@ -7,7 +7,7 @@ pub use realtime::{RealTime, RealTimeFlags, draw_boot_id};
 use crate::greeting::{self, role_name};
 use crate::health::{self, Health};
 use crate::problem::Problem;
-use crate::record::Recorder;
+use crate::record::{Direction, Recorder, WhenFull};
 use crate::scenario::{Scenario, TimingMode};
 use anyhow::Context;
 use crossbeam::channel::{Receiver, bounded};
@@ -39,7 +39,7 @@ pub struct Flags {
     /// Identity of the run; nodes of different runs refuse each other
     #[arg(long, default_value_t = 0)]
     pub run_id: i64,
-    /// Write what this node publishes to an LCM event log
+    /// Write what this node publishes, and what the controller hears, to an LCM event log
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
     /// End when the process with this id, which started this one, ends
@@ -88,7 +88,12 @@ impl Flags {
             "network.loss_ratio is {loss}, but in lockstep the robot repeats what is lost, and in real time the network \
              loses what it does; set it to 0, or stay in one process (`touchdown compare`)"
         );
-        let recorder = self.record.as_deref().map(Recorder::create).transpose()?;
+        let when_full = match scenario.timing.mode {
+            TimingMode::Lockstep => WhenFull::Wait,
+            TimingMode::Realtime => WhenFull::Drop,
+        };
+        let record = self.record.as_deref();
+        let recorder = record.map(|path| Recorder::create(path, when_full)).transpose()?;
         let health = Health::new(role, health::hello(&scenario, self.run_id));
         tracing::info!(url = %self.url, "{} starts", role_name(role));
         Ok(Shell {
@@ -147,16 +152,31 @@ impl Shell {
                 return None;
             }
         };
-        let utime = message.stamp().step * spatial::TICK_US;
+        self.keep(message.stamp().step, Direction::Said, &encoded);
+        self.send(link, &encoded);
+        Some(encoded)
+    }
+
+    /// Keep `message` as one that the cycle at `tick` uses, so that the cycle can be repeated.
+    pub fn heard<M: Message>(&mut self, tick: i64, message: &M) {
+        // It has been checked when it came.
+        if self.recorder.is_some()
+            && let Ok(encoded) = message.encode()
+        {
+            self.keep(tick, Direction::Heard, &encoded);
+        }
+    }
+
+    /// Keep a message of `tick` in the record, as one of that time.
+    fn keep(&mut self, tick: i64, direction: Direction, encoded: &Encoded) {
+        let utime = tick.max(0) * spatial::TICK_US;
         let recorded = self
             .recorder
             .as_ref()
-            .map_or(Ok(()), |recorder| recorder.record(utime, &encoded));
+            .map_or(Ok(()), |recorder| recorder.record(utime, direction, encoded));
         if let Err(problem) = recorded {
             self.report(&problem);
         }
-        self.send(link, &encoded);
-        Some(encoded)
     }
 
     /// Publish bytes again.
@@ -165,9 +185,11 @@ impl Shell {
         self.send(link, encoded);
     }
 
-    /// Publish this node's status; not recorded, it tells of wall-clock time.
+    /// Publish this node's status. It tells of wall-clock time: no two records of it are the same.
     pub fn publish_status(&mut self, link: &Lcm) {
-        if let Ok(encoded) = self.health.status().encode() {
+        let status = self.health.status();
+        if let Ok(encoded) = status.encode() {
+            self.keep(status.stamp.step, Direction::Said, &encoded);
             self.send(link, &encoded);
         }
     }

@@ -114,8 +114,7 @@ fn requests_take_effect_at_their_ticks() {
     .unwrap();
     cell.watch(&never, |_| ()).unwrap();
     cell.stop().unwrap();
-    let records = [Role::Robot, Role::Sensor, Role::Controller].map(|role| bench.plan.record(role));
-    let said = transcript::from_logs(&records).unwrap();
+    let said = transcript::from_logs(&bench.plan.records()).unwrap();
     let expected = transcript::in_process_with(&bench.scenario, &tasks).unwrap();
     assert_eq!(transcript::first_difference(&said, &expected), None);
 

@@ -48,7 +48,7 @@ fn assert_undisturbed(directories: [&Path; 2]) {
         let names: BTreeSet<_> = entries
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
             .collect();
-        let expected = ["force.svg", "proposed.csv", "proposed.lcmlog", "scenario.toml"];
+        let expected = ["force.svg", "proposed.csv", "scenario.toml"];
         assert_eq!(names, expected.map(str::to_owned).into());
     }
 }

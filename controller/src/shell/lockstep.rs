@@ -159,8 +159,9 @@ impl Node {
             return;
         };
         let (tick, started) = (state.stamp.step, clock::now());
-        if let Some(task) = self.agenda.due(tick) {
-            self.controller.request(&task);
+        let task = self.agenda.due(tick);
+        if let Some(task) = &task {
+            self.controller.request(task);
         }
         let outputs = self
             .controller
@@ -169,6 +170,10 @@ impl Node {
             shell.publish(device, &outputs.command),
             shell.publish(device, &outputs.status),
         ];
+        if let Some(task) = &task {
+            // All else that the cycle uses is told by its tick.
+            shell.heard(tick, task);
+        }
         shell.health.reach(tick, clock::now() - started);
         self.inputs.state = None;
         // Between two cycles: what it finds is published from the next one on.

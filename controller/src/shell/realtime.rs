@@ -169,6 +169,7 @@ impl Node {
                 self.schedule = schedule(&self.process.shell.scenario);
                 (self.waiting, self.timeline) = (Waiting::default(), Timeline::default());
                 self.begun = false;
+                self.process.shell.heard(status.stamp.step, status);
             }
             Some(Role::Sensor) => {
                 self.timeline.forget_sensor();
@@ -226,17 +227,17 @@ impl Node {
                 .health
                 .use_aged(Duration::from_secs_f64(1e-6 * us.max(0.0)));
         }
-        if self.begun
-            && let Some(task) = self.agenda.due(tick)
-        {
-            self.controller.request(&task);
+        let task = if self.begun { self.agenda.due(tick) } else { None };
+        if let Some(task) = &task {
+            self.controller.request(task);
         }
-        let outputs = self.controller.cycle(&Heard {
+        let heard = Heard {
             tick,
             state: state.as_ref().filter(|_| self.begun),
             deflections: deflections.as_ref(),
             object: object.as_ref(),
-        });
+        };
+        let outputs = self.controller.cycle(&heard);
         let (mut command, mut status) = (outputs.command, outputs.status);
         let now = clock::now();
         command.stamp = self.process.stamp(tick, now);
@@ -244,10 +245,28 @@ impl Node {
         status.stamp = command.stamp;
         self.process.shell.publish(&self.device, &command);
         self.process.shell.publish(&self.device, &status);
+        self.keep(&heard, task.as_ref());
         self.process.shell.health.reach(tick, clock::now() - due);
         self.process.shell.health.link().missed += i64::from(!with_state);
         self.look(now, utime);
         self.assess();
+    }
+
+    /// Keep what a cycle has heard, once its answer has left: in a record it follows that.
+    fn keep(&mut self, heard: &Heard<'_>, task: Option<&Task>) {
+        let (shell, tick) = (&mut self.process.shell, heard.tick);
+        if let Some(task) = task {
+            shell.heard(tick, task);
+        }
+        if let Some(state) = heard.state {
+            shell.heard(tick, state);
+        }
+        if let Some(deflections) = heard.deflections {
+            shell.heard(tick, deflections);
+        }
+        if let Some(object) = heard.object {
+            shell.heard(tick, object);
+        }
     }
 
     /// Have the loop's margins assessed, which takes longer than a cycle, by a thread of its own.

@@ -7,7 +7,8 @@ use super::{Header, ScenarioArgs, distinct, print, print_json, progress, word};
 use anyhow::{Context, Result};
 use crossbeam::channel::Receiver;
 use experiment::figure::{LabelledCurve, force_figure};
-use experiment::launch::{self, Plan, Wiring};
+use experiment::launch::{self, LaunchError, Plan, Wiring};
+use experiment::log::sidecar;
 use experiment::metrics::Recording;
 use experiment::out::Workplace;
 use experiment::run_port::RunPort;
@@ -32,6 +33,9 @@ pub(crate) struct Args {
     /// program proposed]
     #[arg(long, value_delimiter = ',')]
     laws: Vec<String>,
+    /// Keep all that was said, as LCM event logs, with the scenario as it was resolved, seed and versions beside them
+    #[arg(long)]
+    record: bool,
     /// Directory for figure and data
     #[arg(long, default_value = "touchdown-out", value_name = "DIR")]
     out: PathBuf,
@@ -70,11 +74,22 @@ const FIGURE: &str = "force.svg";
 /// The scenario's name.
 const SCENARIO: &str = "scenario.toml";
 
-#[cfg(test)]
 impl Args {
     /// What it is about.
+    #[cfg(test)]
     pub(super) fn scenario(&self) -> &ScenarioArgs {
         &self.scenario
+    }
+
+    /// The files of one law.
+    fn data(&self, law: &str) -> String {
+        let base = self.out.join(law);
+        let log = if self.record {
+            format!("{}.lcmlog, ", base.display())
+        } else {
+            String::new()
+        };
+        format!("{log}{}.csv", base.display())
     }
 }
 
@@ -123,8 +138,7 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
         })?;
     } else {
         print(Table(&rows))?;
-        let data = |law: &String| format!("{0}.lcmlog, {0}.csv", args.out.join(law).display());
-        let data: Vec<_> = laws.iter().map(data).collect();
+        let data: Vec<_> = laws.iter().map(|law| args.data(law)).collect();
         print(format_args!(
             "\nfigure: {}\ndata:   {}\n",
             args.out.join(FIGURE).display(),
@@ -145,9 +159,6 @@ fn measure(
     let measured = experiment(args, source, runs, place, stop, |place, run, entries| {
         let Run { law, scenario, .. } = run;
         let (recording, measured) = Recording::from_transcript(scenario, &entries);
-        place.result(format!("{law}.lcmlog"), |path| {
-            transcript::write_log(path, &entries)
-        })?;
         place
             .result(format!("{law}.csv"), |path| fs::write(path, recording.csv()))
             .with_context(|| format!("can't write {law}.csv"))?;
@@ -161,6 +172,17 @@ fn measure(
     place.result(FIGURE.to_owned(), |path| force_figure(&curves, path))?;
     place.result(SCENARIO.to_owned(), |_| Ok::<_, io::Error>(()))?;
     Ok(told.into_iter().unzip())
+}
+
+/// The log of a run, and what belongs beside it.
+fn keep(place: &mut Workplace, source: &Source, run: &Run, entries: &[Entry]) -> Result<()> {
+    let log = format!("{}.lcmlog", run.law);
+    place.result(log.clone(), |path| transcript::write_log(path, entries))?;
+    let beside = sidecar::path(Path::new(&log));
+    let text = sidecar::text(Path::new(&log), &source.name, &run.scenario);
+    place
+        .result(beside.display().to_string(), |path| fs::write(path, text))
+        .with_context(|| format!("can't write {}", beside.display()))
 }
 
 /// Make one run after the other; what was said in it goes to `told`.
@@ -192,8 +214,25 @@ fn experiment<T>(
         };
         let progress = progress("{msg:10} {bar:40} {pos}/{len} ticks", run.scenario.timing.ticks())
             .with_message(run.law.clone());
-        let entries = launch::run(&plan, stop, |tick| progress.set_position(tick.max(0) as u64))?;
+        let entries = launch::record(&plan, stop, |tick| progress.set_position(tick.max(0) as u64));
         progress.finish_and_clear();
+        let entries = match entries {
+            Ok(entries) => entries,
+            Err(error) => {
+                let interrupted = matches!(error, LaunchError::Interrupted);
+                // It shows what went wrong, as far as it goes; why it is not there would hide that.
+                if args.record
+                    && !interrupted
+                    && let Ok(entries) = transcript::record(&plan.records())
+                {
+                    let _ = keep(place, source, run, &entries);
+                }
+                return Err(error.into());
+            }
+        };
+        if args.record {
+            keep(place, source, run, &entries)?;
+        }
         all.push(told(place, run, entries)?);
     }
     Ok(all)

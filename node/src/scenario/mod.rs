@@ -31,6 +31,7 @@ mod task;
 #[cfg(test)]
 mod tests;
 mod value;
+mod write;
 
 pub use adaptation::Adaptation;
 pub use choice::{

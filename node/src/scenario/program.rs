@@ -156,6 +156,11 @@ impl Step {
         }
     }
 
+    /// Names of the keys that mean something to this step.
+    pub(super) fn known(&self) -> &'static [&'static str] {
+        self.kind.keys()
+    }
+
     /// Every key of a step, in the order of declaration.
     pub fn keys() -> Vec<schema::Key> {
         Self::default().fields().map(schema::describe).collect()

@@ -26,6 +26,24 @@ fn the_defaults_are_the_experiment_of_the_paper() {
 }
 
 #[test]
+fn what_is_written_is_the_same_scenario() {
+    let program =
+        "[[program.step]]\nkind = \"approach\"\n[[program.step]]\nkind = \"press\"\nforce_n = 12.5\n";
+    let overrides = strings(&[
+        "timing.seed=7",
+        "controller.law=pd-reset",
+        "sensor.noise_force_n=0.1",
+    ]);
+    for text in [PAPER, program] {
+        let scenario = Scenario::parse("a.toml", text, &overrides).unwrap();
+        let written = scenario.to_toml();
+        let again = Scenario::parse("written.toml", &written, &[])
+            .unwrap_or_else(|error| panic!("{error}\n{written}"));
+        assert_eq!((again.hash(), &again), (scenario.hash(), &scenario));
+    }
+}
+
+#[test]
 fn the_paper_names_every_key() {
     let document = toml::de::DeTable::parse(PAPER).unwrap();
     for key in Scenario::keys() {

@@ -46,9 +46,6 @@ pub(super) fn run(
         let scenario = &run.scenario;
         let (recording, _) = Recording::from_transcript(scenario, &entries);
         let law = &run.law;
-        place.result(format!("{law}.lcmlog"), |path| {
-            transcript::write_log(path, &entries)
-        })?;
         place
             .result(format!("{law}.csv"), |path| fs::write(path, recording.csv()))
             .with_context(|| format!("can't write {law}.csv"))?;
@@ -76,11 +73,7 @@ pub(super) fn run(
         })?;
     } else {
         for Outcome { law, steps, .. } in &outcomes {
-            let data = args.out.join(law);
-            print(format_args!(
-                "law {law}; data: {0}.lcmlog, {0}.csv\n",
-                data.display()
-            ))?;
+            print(format_args!("law {law}; data: {}\n", args.data(law)))?;
             print(format_args!("{}\n", Steps(steps)))?;
         }
     }

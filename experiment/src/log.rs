@@ -1,0 +1,3 @@
+//! LCM event logs: what stands beside one.
+
+pub mod sidecar;
