@@ -29,6 +29,7 @@ fn main() {
     generate(&lcm.generator, &names, &out);
     compile(&lcm.include, &names, &out);
     bind(&lcm.include, &names, &out);
+    describe(&names, &out);
     // The tests generate Python types with the same lcm-gen.
     println!("cargo:rustc-env=LCM_GEN={}", lcm.generator.display());
 }
@@ -146,6 +147,67 @@ fn compile(include: &[PathBuf], names: &[String], out: &Path) {
         .opt_level(2)
         .warnings(false)
         .compile("touchdown_types");
+}
+
+/// `types/*.lcm` -> `schema.rs`: what a program is told of the types' members (`src/schema.rs`).
+fn describe(names: &[String], out: &Path) {
+    let types: String = names.iter().map(|name| describe_type(name)).collect();
+    let count = names.len();
+    fs::write(
+        out.join("schema.rs"),
+        format!("pub(super) static TYPES: [Type; {count}] = [\n{types}];\n"),
+    )
+    .expect("OUT_DIR is writable");
+}
+
+fn describe_type(name: &str) -> String {
+    let text = fs::read_to_string(format!("types/{name}.lcm")).expect("lcmtypes/types is readable");
+    let (mut members, mut comment, mut about) = (String::new(), Vec::new(), String::new());
+    for line in text.lines().map(str::trim) {
+        match line.strip_prefix("//") {
+            Some(words) => comment.push(words.trim()),
+            None if line.starts_with("struct ") => about = std::mem::take(&mut comment).join(" "),
+            // Comments of constants are theirs.
+            None if line.is_empty() || ["const ", "package "].iter().any(|word| line.starts_with(word)) => {
+                comment.clear()
+            }
+            None => {
+                if let Some((kind, declared)) = line.strip_suffix(';').and_then(|line| line.split_once(' ')) {
+                    let (member, dimensions) = dimensions(declared);
+                    let kind =
+                        kind_of(kind).unwrap_or_else(|| panic!("{name}.lcm: no rule for the type {kind}"));
+                    let doc = std::mem::take(&mut comment).join(" ");
+                    members += &format!(
+                        "Member {{ name: {member:?}, kind: Kind::{kind}, dimensions: &{dimensions:?}, about: {doc:?} }},\n"
+                    );
+                }
+            }
+        }
+    }
+    format!("Type {{ name: {name:?}, about: {about:?}, members: &[\n{members}] }},\n")
+}
+
+fn kind_of(primitive: &str) -> Option<&'static str> {
+    Some(match primitive {
+        "boolean" => "Boolean",
+        "byte" => "Byte",
+        "int32_t" => "Int32",
+        "int64_t" => "Int64",
+        "double" => "Double",
+        _ => return None,
+    })
+}
+
+/// `name[8][6]` -> `name`, 8 and 6.
+fn dimensions(declared: &str) -> (&str, Vec<usize>) {
+    let (name, rest) = declared.split_at(declared.find('[').unwrap_or(declared.len()));
+    let sizes = rest.split(['[', ']']).filter(|size| !size.is_empty());
+    (
+        name,
+        sizes
+            .map(|size| size.parse().expect("sizes are numbers"))
+            .collect(),
+    )
 }
 
 /// Headers -> `bindings.rs`, with one module of short names per type (`robot_state::encode`).

@@ -33,6 +33,9 @@ pub enum DecodeError {
         /// Fingerprint of the type.
         expected: u64,
     },
+    /// No channel of this contract.
+    #[error("{0:?} is no channel of Touchdown; the channels are {all}", all = crate::CHANNELS.join(", "))]
+    Channel(String),
     /// A value that can't be used.
     #[error("{channel}: {cause}")]
     Unusable {

@@ -35,6 +35,7 @@ mod multicast;
 mod ports;
 mod raw;
 mod router;
+pub mod schema;
 mod tally;
 mod url;
 
@@ -42,7 +43,7 @@ pub use error::{DecodeError, LcmError, LogError, Refusal, Unusable};
 pub use event_log::{Event, EventLogReader, EventLogWriter};
 pub use inboxes::{Inboxes, Woken};
 pub use link::{Lcm, LcmBuilder};
-pub use message::{CHANNELS, Encoded, Message};
+pub use message::{CHANNELS, Encoded, Message, check};
 pub use router::{RawMessage, Received, Subscription};
 pub use tally::Counters;
 pub use url::Group;

@@ -54,15 +54,30 @@ pub trait Message: Port + Check + Copy + Send + 'static {
 }
 
 fn read<R: Codec>(channel: &'static str, bytes: &[u8]) -> Result<R, DecodeError> {
-    let length = DecodeError::Length {
+    check_head(channel, bytes, R::SIZE, R::fingerprint())?;
+    R::read(bytes).ok_or(DecodeError::Length {
         channel,
         found: bytes.len(),
         expected: R::SIZE,
+    })
+}
+
+/// Whether `bytes` begin with the fingerprint `expected` and are `size` long.
+pub(crate) fn check_head(
+    channel: &'static str,
+    bytes: &[u8],
+    size: usize,
+    expected: u64,
+) -> Result<(), DecodeError> {
+    let length = DecodeError::Length {
+        channel,
+        found: bytes.len(),
+        expected: size,
     };
     let Some((head, _)) = bytes.split_first_chunk() else {
         return Err(length);
     };
-    let (found, expected) = (u64::from_be_bytes(*head), R::fingerprint());
+    let found = u64::from_be_bytes(*head);
     if found != expected {
         return Err(DecodeError::Fingerprint {
             channel,
@@ -70,7 +85,10 @@ fn read<R: Codec>(channel: &'static str, bytes: &[u8]) -> Result<R, DecodeError>
             expected,
         });
     }
-    R::read(bytes).ok_or(length)
+    if bytes.len() != size {
+        return Err(length);
+    }
+    Ok(())
 }
 
 /// The bytes of one checked message and the channel they belong to.
@@ -114,6 +132,22 @@ macro_rules! messages {
     ($($port:ty: $module:ident on $name:literal,)*) => {
         /// The names of all channels.
         pub const CHANNELS: &[&str] = &[$(<$port as Message>::CHANNEL,)*];
+
+        /// The name of the type in `types/*.lcm` that `channel` carries, and its fingerprint.
+        pub(crate) fn type_of(channel: &str) -> Option<(&'static str, u64)> {
+            $(if channel == <$port as Message>::CHANNEL {
+                return Some((concat!(stringify!($module), "_t"), <$port as Message>::fingerprint()));
+            })*
+            None
+        }
+
+        /// Why `bytes` are no usable message of `channel`.
+        pub fn check(channel: &str, bytes: &[u8]) -> Result<(), DecodeError> {
+            $(if channel == <$port as Message>::CHANNEL {
+                return <$port>::decode(bytes).map(drop);
+            })*
+            Err(DecodeError::Channel(channel.to_owned()))
+        }
 
         $(
             const _: () = assert!(raw::$module::Raw::SIZE <= CAPACITY);
