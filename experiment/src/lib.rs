@@ -1,5 +1,6 @@
 //! Experiments: the whole loop in one process, the three programs, and what is measured of them.
 
+pub mod analyse;
 pub mod bound;
 pub mod calibrate;
 pub mod compare;

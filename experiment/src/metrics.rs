@@ -1,8 +1,10 @@
 //! What is measured of a run: peak, settling, IAE, steady state, orientation, impact (PLANT.md section 6).
 
+mod from_log;
 mod no_figures;
 mod recording;
 
+pub use from_log::ForceFrom;
 pub use no_figures::NoFigures;
 pub use recording::{ForceCurve, Recording};
 

@@ -1,7 +1,9 @@
 //! LCM's event logs, which lcm-logger writes and lcm-logplayer reads.
 #![allow(unsafe_code, reason = "calls liblcm")]
 
-mod scan;
+mod read;
+
+pub use read::{Event, EventLogReader};
 
 use crate::error::LogError;
 use crate::raw;
@@ -10,18 +12,6 @@ use std::io;
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 use std::ptr::NonNull;
-use std::slice;
-
-/// A message in a log.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Event {
-    /// When it was received, us since 1970.
-    pub utime: i64,
-    /// Channel; bytes that are not UTF-8 are replaced.
-    pub channel: String,
-    /// Encoding.
-    pub bytes: Vec<u8>,
-}
 
 /// An open `lcm_eventlog_t`.
 #[derive(Debug)]
@@ -74,7 +64,7 @@ impl EventLogWriter {
     /// Appends a message that was received at `utime`, us since 1970.
     pub fn write(&mut self, utime: i64, channel: &str, bytes: &[u8]) -> Result<(), LogError> {
         let sizes = (i32::try_from(channel.len()), i32::try_from(bytes.len()));
-        let (Ok(channellen @ 1..=scan::LONGEST_NAME), Ok(datalen)) = sizes else {
+        let (Ok(channellen @ 1..=read::LONGEST_NAME), Ok(datalen)) = sizes else {
             let (path, length) = (self.log.path.clone(), bytes.len());
             return Err(LogError::Event {
                 path,
@@ -116,76 +106,5 @@ impl EventLogWriter {
             path: self.log.path.clone(),
             source: io::Error::last_os_error(),
         }
-    }
-}
-
-/// Reads a log: all whole events, then, if the file is damaged, one error.
-#[derive(Debug)]
-pub struct EventLogReader {
-    log: Log,
-    remaining: u64,
-    damage: Option<LogError>,
-}
-
-impl EventLogReader {
-    /// Opens a log and looks through the lengths in it: liblcm believes them.
-    pub fn open(path: impl AsRef<Path>) -> Result<Self, LogError> {
-        let path = path.as_ref();
-        let failed = |source| LogError::Open {
-            path: path.to_owned(),
-            source,
-        };
-        let scan::Extent { events, end, problem } = scan::extent(path).map_err(failed)?;
-        let damaged = |problem| LogError::Damaged {
-            path: path.to_owned(),
-            offset: end,
-            events,
-            problem,
-        };
-        Ok(Self {
-            log: Log::open(path, c"r")?,
-            remaining: events,
-            damage: problem.map(damaged),
-        })
-    }
-
-    fn read(&mut self) -> Option<Event> {
-        // SAFETY: the log is open.
-        let event = NonNull::new(unsafe { raw::lcm_eventlog_read_next_event(self.log.log.as_ptr()) })?;
-        // SAFETY: liblcm returns a whole event, or none.
-        let head = unsafe { event.as_ref() };
-        let read = Event {
-            utime: head.timestamp,
-            channel: String::from_utf8_lossy(bytes(head.channel.cast(), head.channellen)).into_owned(),
-            bytes: bytes(head.data.cast(), head.datalen).to_vec(),
-        };
-        // SAFETY: the event is liblcm's, and everything in it has been copied.
-        unsafe { raw::lcm_eventlog_free_event(event.as_ptr()) };
-        Some(read)
-    }
-}
-
-/// The memory that liblcm allocated for a channel or for data.
-fn bytes<'a>(start: *const u8, length: i32) -> &'a [u8] {
-    match usize::try_from(length) {
-        // SAFETY: liblcm allocates one byte more than this length, and fills it.
-        Ok(length) if !start.is_null() => unsafe { slice::from_raw_parts(start, length) },
-        _ => &[],
-    }
-}
-
-impl Iterator for EventLogReader {
-    type Item = Result<Event, LogError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        if self.remaining > 0 {
-            self.remaining -= 1;
-            if let Some(event) = self.read() {
-                return Some(Ok(event));
-            }
-            // liblcm also gives up on the event before the damage.
-            self.remaining = 0;
-        }
-        self.damage.take().map(Err)
     }
 }

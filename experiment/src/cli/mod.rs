@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand.
 
+mod analyse;
 mod bench;
 mod bound;
 mod calibrate;
@@ -69,6 +70,7 @@ enum Command {
     Run(run::Args),
     Up(up::Args),
     Task(task::Args),
+    Analyse(analyse::Args),
     Compare(compare::Args),
     Tune(tune::Args),
     Sweep(sweep::Args),
@@ -161,6 +163,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Run(args) => run::run(args),
         Command::Up(args) => up::run(args),
         Command::Task(args) => task::run(args),
+        Command::Analyse(args) => analyse::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Tune(args) => tune::run(args),
         Command::Sweep(args) => sweep::run(args),

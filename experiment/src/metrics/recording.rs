@@ -1,8 +1,7 @@
 //! What of a run is kept for its figures.
 
-use super::{EARLY_S, Metrics, NoFigures, REBOUND_S, STEADY_S, WINDOW_S};
+use super::{EARLY_S, ForceFrom, Metrics, NoFigures, REBOUND_S, STEADY_S, WINDOW_S};
 use crate::in_process::Tick;
-use crate::transcript::{self, Entry};
 use nalgebra::{UnitQuaternion, Vector3};
 use node::scenario::Scenario;
 use spatial::ports::{ControllerStatus, Fault, RobotState, Role, Truth};
@@ -20,7 +19,7 @@ pub struct ForceCurve {
 /// The truth of a run, tick by tick, as far as analysis needs it.
 #[derive(Clone, Debug)]
 pub struct Recording {
-    duration_s: f64,
+    pub(super) duration_s: f64,
     standstill_ticks: i64,
     desired_force_n: f64,
     stiffness_n_per_m: f64,
@@ -28,11 +27,17 @@ pub struct Recording {
     tcp_in_s: Vector3<f64>,
     /// Whether moments act at the tcp too.
     with_moments: bool,
-    first_contact_s: Option<f64>,
+    /// Between two samples, s.
+    pub(super) step_s: f64,
+    /// What the samples are taken from.
+    pub(super) from: ForceFrom,
+    /// The tool's orientation before the contact, if it is not that at the start.
+    pub(super) before: Option<UnitQuaternion<f64>>,
+    pub(super) first_contact_s: Option<f64>,
     first_fault: Option<FirstFault>,
     /// Tick of the sample that showed the contact to the controller.
     detected_tick: Option<i64>,
-    ticks: Vec<Sample>,
+    pub(super) ticks: Vec<Sample>,
 }
 
 /// The fault that a robot or a controller has latched first; of one tick, the robot's, who speaks first.
@@ -44,17 +49,17 @@ struct FirstFault {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Sample {
-    time_s: f64,
+pub(super) struct Sample {
+    pub(super) time_s: f64,
     /// At the tcp.
-    deflection: Deflection,
+    pub(super) deflection: Deflection,
     /// Of the real tcp, in r.
-    rotation: UnitQuaternion<f64>,
-    contact_force_n: f64,
+    pub(super) rotation: UnitQuaternion<f64>,
+    pub(super) contact_force_n: f64,
     /// Largest within the last tick.
-    contact_force_peak_n: f64,
+    pub(super) contact_force_peak_n: f64,
     /// Done on the object since start.
-    contact_work_j: f64,
+    pub(super) contact_work_j: f64,
 }
 
 impl Recording {
@@ -68,11 +73,19 @@ impl Recording {
             stiffness_nm_per_rad: scenario.sensor.stiffness_nm_per_rad,
             tcp_in_s: scenario.tool.tcp_in_s_m.into(),
             with_moments: scenario.task.force_controlled.dofs()[3..].contains(&true),
+            step_s: TICK_S,
+            from: ForceFrom::Truth,
+            before: None,
             first_contact_s: None,
             first_fault: None,
             detected_tick: None,
             ticks: Vec::new(),
         }
+    }
+
+    /// How many samples there are.
+    pub(super) fn len(&self) -> usize {
+        self.ticks.len()
     }
 
     /// Take all that the next tick tells: the truth, and whether robot or controller have latched a fault.
@@ -99,22 +112,6 @@ impl Recording {
             contact_force_peak_n: truth.contact_force_peak_n,
             contact_work_j: truth.contact_work_j,
         });
-    }
-
-    /// The recording of the truth in `entries`, and the force that the controller measured over time after the
-    /// first contact (after the start where there was none).
-    pub fn from_transcript(scenario: &Scenario, entries: &[Entry]) -> (Self, ForceCurve) {
-        let mut recording = Self::new(scenario);
-        transcript::messages(entries).for_each(|truth| recording.push(&truth));
-        transcript::messages(entries).for_each(|state| recording.note_robot(&state));
-        transcript::messages(entries).for_each(|status| recording.note_controller(&status));
-        let contact = recording.first_contact_s.unwrap_or(0.0);
-        let mut measured = ForceCurve::default();
-        for status in transcript::messages::<ControllerStatus>(entries) {
-            measured.time_s.push(status.stamp.step as f64 * TICK_S - contact);
-            measured.force_n.push(status.detection.statistic_n);
-        }
-        (recording, measured)
     }
 
     /// What a spreadsheet needs, tick by tick: `time_s,force_n,contact_force_n,orientation_rad`, time after the
@@ -162,6 +159,9 @@ impl Recording {
     /// Deviates from PLANT.md (`s_t,z / C_tcp,zz` with the lever d of the undeflected tool, 0.8 % off): this agrees
     /// with the true contact force at rest.
     fn forces(&self) -> Option<Vec<f64>> {
+        if self.from != ForceFrom::Truth {
+            return Some(self.ticks.iter().map(|sample| sample.contact_force_n).collect());
+        }
         let standstill = self.standstill()?;
         let share = 1.0 / standstill.len() as f64;
         let hanging = standstill.iter().fold(Deflection::default(), |sum, sample| {
@@ -201,7 +201,10 @@ impl Recording {
 
     fn judge(&self) -> Option<Metrics> {
         let curve = self.force_curve()?;
-        let before = self.standstill()?[0].rotation;
+        let before = match self.before {
+            Some(before) => before,
+            None => self.standstill()?[0].rotation,
+        };
         let start = curve.time_s.iter().position(|&t| t >= 0.0)?;
         let end = curve.time_s.iter().position(|&t| t > WINDOW_S)?;
         let desired = self.desired_force_n;
@@ -210,18 +213,27 @@ impl Recording {
         let settled = |band: f64| match error.iter().rposition(|e| e.abs() > band * desired) {
             None => 0.0,
             Some(last) if last + 1 == error.len() => f64::NAN,
-            Some(last) => time[last] + TICK_S,
+            Some(last) => time[last] + self.step_s,
         };
         let ticks = &self.ticks[start..end];
         let turn = |sample: &Sample| rotation::log(&(sample.rotation * before.inverse()));
-        let steady = &ticks[ticks.len() - libm::rint(STEADY_S / TICK_S) as usize..];
+        let steady = ticks
+            .len()
+            .checked_sub(libm::rint(STEADY_S / self.step_s) as usize)?;
+        let steady = &ticks[steady..];
         let count = steady.len() as f64;
         let mean_n = mean_force(steady);
         let sigma_n = sigma(steady);
-        let early = libm::rint(EARLY_S / TICK_S) as usize;
-        let early_n = sigma(&ticks[early..early + steady.len()]);
+        let early = libm::rint(EARLY_S / self.step_s) as usize;
+        // Of a log with gaps there may be fewer.
+        let early_n = sigma(ticks.get(early..early + steady.len())?);
         let peak_n = force.iter().copied().fold(0.0, f64::max);
         let contact_s = self.first_contact_s?;
+        // What only the truth tells.
+        let known = |known: bool, value: f64| if known { value } else { f64::NAN };
+        let true_only = |value| known(self.from == ForceFrom::Truth, value);
+        // A deflection alone does not tell how the robot holds the tool.
+        let turned = |value| known(self.from != ForceFrom::Deflection, value);
         let before_j = start
             .checked_sub(1)
             .map_or(0.0, |tick| self.ticks[tick].contact_work_j);
@@ -231,19 +243,20 @@ impl Recording {
             settling_10_s: settled(0.10),
             settling_5_s: settled(0.05),
             settling_2_s: settled(0.02),
-            iae_n_s: error.iter().map(|e| e.abs()).sum::<f64>() * TICK_S,
-            impulse_above_n_s: error.iter().map(|e| e.max(0.0)).sum::<f64>() * TICK_S,
+            iae_n_s: error.iter().map(|e| e.abs()).sum::<f64>() * self.step_s,
+            impulse_above_n_s: error.iter().map(|e| e.max(0.0)).sum::<f64>() * self.step_s,
             steady_error_n: mean_n - desired,
             steady_sigma_n: sigma_n,
             ringing_ratio: if early_n > 0.0 { sigma_n / early_n } else { 0.0 },
-            rebounds: rebounds(ticks),
-            detection_delay_s: self
-                .detected_tick
-                .map_or(f64::NAN, |tick| tick as f64 * TICK_S - contact_s),
-            impact_peak_n: ticks.iter().map(|s| s.contact_force_peak_n).fold(0.0, f64::max),
-            energy_j: ticks.last()?.contact_work_j - before_j,
-            orientation_max_rad: ticks.iter().map(|s| turn(s).norm()).fold(0.0, f64::max),
-            orientation_end_rad: (steady.iter().map(turn).sum::<Vector3<f64>>() / count).norm(),
+            rebounds: true_only(rebounds(ticks)),
+            detection_delay_s: true_only(
+                self.detected_tick
+                    .map_or(f64::NAN, |tick| tick as f64 * TICK_S - contact_s),
+            ),
+            impact_peak_n: true_only(ticks.iter().map(|s| s.contact_force_peak_n).fold(0.0, f64::max)),
+            energy_j: true_only(ticks.last()?.contact_work_j - before_j),
+            orientation_max_rad: turned(ticks.iter().map(|s| turn(s).norm()).fold(0.0, f64::max)),
+            orientation_end_rad: turned((steady.iter().map(turn).sum::<Vector3<f64>>() / count).norm()),
         })
     }
 
@@ -252,11 +265,11 @@ impl Recording {
         (end > 0).then(|| &self.ticks[..end])
     }
 
-    fn note_robot(&mut self, state: &RobotState) {
+    pub(super) fn note_robot(&mut self, state: &RobotState) {
         self.note(state.stamp.step, Role::Robot, state.fault);
     }
 
-    fn note_controller(&mut self, status: &ControllerStatus) {
+    pub(super) fn note_controller(&mut self, status: &ControllerStatus) {
         self.note(status.stamp.step, Role::Controller, status.fault);
         let tick = status.detection.contact_step;
         if tick >= 0 {
