@@ -19,6 +19,7 @@ pub mod metrics;
 pub mod network;
 pub mod out;
 pub mod program;
+pub mod replay;
 pub mod report;
 pub mod run_port;
 pub mod scenarios;

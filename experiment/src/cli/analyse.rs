@@ -63,11 +63,6 @@ struct Report<'a> {
 }
 
 impl LogArgs {
-    /// The file.
-    pub(super) fn path(&self) -> &Path {
-        &self.log
-    }
-
     /// What can be read of it.
     pub(super) fn open(&self) -> Result<Log> {
         Ok(Log::open(&self.log)?)

@@ -12,6 +12,7 @@ mod detection;
 mod doctor;
 mod free_motion;
 mod impact;
+mod replay;
 mod report;
 mod run;
 mod sweep;
@@ -71,6 +72,7 @@ enum Command {
     Up(up::Args),
     Task(task::Args),
     Analyse(analyse::Args),
+    Replay(replay::Args),
     Compare(compare::Args),
     Tune(tune::Args),
     Sweep(sweep::Args),
@@ -164,6 +166,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Up(args) => up::run(args),
         Command::Task(args) => task::run(args),
         Command::Analyse(args) => analyse::run(args),
+        Command::Replay(args) => replay::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Tune(args) => tune::run(args),
         Command::Sweep(args) => sweep::run(args),
