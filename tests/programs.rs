@@ -33,6 +33,8 @@ pub fn programs() -> PathBuf {
 /// The command `touchdown`, to be given its arguments.
 pub fn touchdown() -> Command {
     let mut command = Command::new(programs().join("touchdown"));
-    command.env_remove("RUST_LOG");
+    command
+        .env_remove("RUST_LOG")
+        .env("XDG_STATE_HOME", std::env::temp_dir().join("touchdown-tests"));
     command
 }

@@ -17,11 +17,13 @@
 //! | what a process publishes of itself | [`health`] |
 //! | what ends a process's work | [`problem`] |
 //! | what a process has published, in an LCM event log | [`record`] |
+//! | the last seconds of it, once a fault latches | [`flight`] |
 
 pub mod clock;
 pub mod clock_sync;
 pub mod command_path;
 pub mod commanded;
+pub mod flight;
 pub mod greeting;
 pub mod guard;
 pub mod health;

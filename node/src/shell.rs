@@ -4,6 +4,7 @@ mod realtime;
 
 pub use realtime::{RealTime, RealTimeFlags, draw_boot_id};
 
+use crate::flight::FlightRecorder;
 use crate::greeting::{self, role_name};
 use crate::health::{self, Health};
 use crate::problem::Problem;
@@ -17,7 +18,7 @@ use signal_hook::iterator::Signals;
 use spatial::ports::{NodeStatus, Role};
 use std::io::IsTerminal;
 use std::os::unix::net::UnixStream;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -58,6 +59,8 @@ pub struct Shell {
     pub health: Health,
     inboxes: Inboxes,
     recorder: Option<Recorder>,
+    /// In real time.
+    flight: Option<FlightRecorder>,
     role: Role,
     greeted: bool,
     /// A fault that peers have not been told of yet.
@@ -101,6 +104,7 @@ impl Flags {
             health,
             inboxes,
             recorder,
+            flight: None,
             role,
             greeted: false,
             untold: false,
@@ -111,7 +115,10 @@ impl Flags {
     pub fn realtime(&self, shell: Shell) -> anyhow::Result<Pace> {
         Ok(match shell.scenario.timing.mode {
             TimingMode::Lockstep => Pace::Lockstep(shell),
-            TimingMode::Realtime => Pace::RealTime(RealTime::start(shell, &self.realtime)?),
+            TimingMode::Realtime => {
+                let beside = self.record.as_deref().and_then(Path::parent);
+                Pace::RealTime(RealTime::start(shell, &self.realtime, beside)?)
+            }
         })
     }
 
@@ -160,7 +167,7 @@ impl Shell {
     /// Keep `message` as one that the cycle at `tick` uses, so that the cycle can be repeated.
     pub fn heard<M: Message>(&mut self, tick: i64, message: &M) {
         // It has been checked when it came.
-        if self.recorder.is_some()
+        if (self.recorder.is_some() || self.flight.is_some())
             && let Ok(encoded) = message.encode()
         {
             self.keep(tick, Direction::Heard, &encoded);
@@ -170,6 +177,9 @@ impl Shell {
     /// Keep a message of `tick` in the record, as one of that time.
     fn keep(&mut self, tick: i64, direction: Direction, encoded: &Encoded) {
         let utime = tick.max(0) * spatial::TICK_US;
+        if let Some(flight) = &mut self.flight {
+            flight.keep(utime, direction, encoded);
+        }
         let recorded = self
             .recorder
             .as_ref()
@@ -200,6 +210,14 @@ impl Shell {
         if self.health.latch(fault, peer, expected, found) {
             tracing::error!("{problem}");
             self.untold = true;
+            self.keep_flight();
+        }
+    }
+
+    /// Something has gone wrong: have the flight recorder write the last seconds, where there is one.
+    pub fn keep_flight(&mut self) {
+        if let Some(flight) = &mut self.flight {
+            flight.write_soon();
         }
     }
 
@@ -245,6 +263,8 @@ impl Shell {
 
     /// End: the record is written to the end.
     pub fn finish(mut self) -> anyhow::Result<()> {
+        // It writes what has not been written yet.
+        drop(self.flight.take());
         if let Some(recorder) = self.recorder.take() {
             recorder.close()?;
         }

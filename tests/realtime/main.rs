@@ -4,8 +4,11 @@
 //! itself: this binary is apart from the other processes' tests, which are as fast as they can.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+use experiment::log::Log;
 use experiment::metrics::{Metrics, Recording};
-use spatial::ports::{ControllerPhase, Fault, NodeState, RobotMode, Role};
+use experiment::transcript;
+use spatial::ports::{ControllerPhase, Fault, NodeState, NodeStatus, RobotMode, Role};
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use tests::Impairment;
@@ -236,6 +239,35 @@ fn another_scenario_is_refused_with_both_hashes() {
         (status.fault_expected, status.fault_found),
         (status.hello.configuration_hash, site.bench.scenario.hash())
     );
+    // Both have kept what came before: the one that was refused, and the robot that had no controller.
+    let directory = site.bench.directory.path().to_owned();
+    for (name, role, fault) in [
+        ("flight-controller-", Role::Controller, Fault::HelloMismatch),
+        ("flight-robot-sim-", Role::Robot, Fault::CommandGap),
+    ] {
+        assert!(
+            site.until(LONG, |_| kept(&directory, name).is_some()),
+            "no {name}*"
+        );
+        let log = Log::open(&kept(&directory, name).unwrap()).unwrap();
+        assert_eq!(log.complaints(), Vec::<String>::new());
+        let told = transcript::messages::<NodeStatus>(&log.entries).last().unwrap();
+        assert_eq!((told.role, told.fault), (role, fault));
+        let heard = log
+            .entries
+            .iter()
+            .any(|entry| entry.channel == "HEARD_ROBOT_COMMAND");
+        assert_eq!(heard, role == Role::Robot);
+    }
+}
+
+/// A flight record.
+fn kept(directory: &Path, name: &str) -> Option<PathBuf> {
+    let files = std::fs::read_dir(directory).unwrap().flatten();
+    files.map(|entry| entry.path()).find(|path| {
+        let file = path.file_name().unwrap().to_string_lossy();
+        file.starts_with(name) && file.ends_with(".lcmlog")
+    })
 }
 
 /// One bit in every hundredth message is wrong. No tag tells yet that it is: what can't be is refused, what could be is

@@ -34,6 +34,8 @@ struct Node {
     waiting: Waiting,
     /// The devices' clocks have been known since the robot was joined.
     begun: bool,
+    /// The controller's fault as it was published last.
+    fault: Fault,
     /// Where margins are sent once they are found, and taken from.
     assessments: (Sender<Assessment>, Receiver<Assessment>),
     next_look: Instant,
@@ -65,6 +67,7 @@ pub(super) fn run(flags: &Flags, process: RealTime) -> anyhow::Result<Shell> {
         schedule: schedule(scenario),
         waiting: Waiting::default(),
         begun: false,
+        fault: Fault::None,
         assessments: bounded(4),
         next_look: clock::now() + LOOK,
         warned: false,
@@ -246,6 +249,9 @@ impl Node {
         self.process.shell.publish(&self.device, &command);
         self.process.shell.publish(&self.device, &status);
         self.keep(&heard, task.as_ref());
+        if status.fault != std::mem::replace(&mut self.fault, status.fault) && status.fault != Fault::None {
+            self.process.shell.keep_flight();
+        }
         self.process.shell.health.reach(tick, clock::now() - due);
         self.process.shell.health.link().missed += i64::from(!with_state);
         self.look(now, utime);

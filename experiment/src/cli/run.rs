@@ -209,7 +209,8 @@ fn experiment<T>(
             wiring: Wiring::shared(&port.device_url(), &port.simulation_url()),
             run_id: i64::from(std::process::id()),
             directory: place.path().to_owned(),
-            flags: Default::default(),
+            // Everything is recorded anyway.
+            flags: std::array::from_fn(|_| vec!["--no-flight".to_owned()]),
             through: Default::default(),
         };
         let progress = progress("{msg:10} {bar:40} {pos}/{len} ticks", run.scenario.timing.ticks())

@@ -2,6 +2,8 @@
 
 use super::Shell;
 use crate::clock::{self, Clock, HostClock, SkewedClock};
+use crate::flight::{self, FlightRecorder};
+use crate::greeting::role_name;
 use crate::lockstep::PEER_SILENT;
 use crate::peers::{News, Peers, STATUS_PERIOD};
 use crate::problem::Problem;
@@ -10,6 +12,7 @@ use lcmtypes::Lcm;
 use rustix::rand::{GetRandomFlags, getrandom};
 use signal_hook::consts::SIGUSR1;
 use spatial::ports::{ClockEcho, Command, NodeStatus, Role, Stamp};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -19,6 +22,13 @@ use std::time::Instant;
 pub struct RealTimeFlags {
     #[command(flatten)]
     wanted: Wanted,
+    /// Real time: where the last seconds are kept when a fault latches, ten files of a role at most [default: beside the
+    /// record, else $STATE_DIRECTORY, $XDG_STATE_HOME/touchdown or ~/.local/state/touchdown]
+    #[arg(long, value_name = "DIR")]
+    flight_dir: Option<PathBuf>,
+    /// Real time: keep no last seconds
+    #[arg(long, conflicts_with = "flight_dir")]
+    no_flight: bool,
     /// Real time, for tests: how far this node's clock is ahead, s
     #[arg(
         long,
@@ -65,8 +75,15 @@ pub struct RealTime {
 
 impl RealTime {
     /// `shell` in real time: an identity of its own, and the rights of the calling thread.
-    pub fn start(shell: Shell, flags: &RealTimeFlags) -> anyhow::Result<Self> {
+    ///
+    /// Its flight recorder writes into `beside` unless the flags say otherwise.
+    pub fn start(shell: Shell, flags: &RealTimeFlags, beside: Option<&Path>) -> anyhow::Result<Self> {
         let mut shell = shell;
+        if !flags.no_flight {
+            let told = flags.flight_dir.as_deref().or(beside).map(Path::to_owned);
+            let directory = told.unwrap_or_else(flight::default_directory);
+            shell.flight = Some(FlightRecorder::start(role_name(shell.role), directory));
+        }
         let boot_id = draw_boot_id()?;
         let started = clock::now();
         shell.health.be(boot_id, flags.wanted.ask());
@@ -156,7 +173,7 @@ impl RealTime {
             News::Known => None,
             News::Joined(role) => {
                 self.shell.health.forgive_mismatch();
-                tracing::info!("works with {} from now on", super::role_name(role));
+                tracing::info!("works with {} from now on", role_name(role));
                 Some(role)
             }
             News::Refused(mismatch) => {

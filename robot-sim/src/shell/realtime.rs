@@ -204,6 +204,8 @@ impl Robot {
             return;
         }
         self.node.take_echo(command, received_at);
+        let tick = self.node.shell.health.step();
+        self.node.shell.heard(tick, command);
         if self.robot.hear(command) == Answer::Ignored {
             self.node.shell.health.link().refused += 1;
         } else if let Some(age) = self.age(command.stamp.step, received_at) {
