@@ -16,7 +16,7 @@ tuned_laws := pd,pd-reset,proposed,impedance,ros2,fzi
 alone := --gains default,tuned --set controller.oscillation.enabled=false
 both := $(alone) --laws $(all_laws)
 
-.PHONY: help demo report laws tune maps elastic free-motion test bits bench faults doctor check format lint doc clean
+.PHONY: help demo report laws tune maps elastic free-motion keys test bits bench faults doctor check format lint doc clean
 
 help: ## list the targets (default)
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 13
@@ -65,6 +65,11 @@ free-motion: ## what free motion leaves swinging, shaped and not, on every robot
 	   >target/free-motion.txt
 	@mv target/free-motion.txt docs/free-motion.txt
 	@cat docs/free-motion.txt
+
+keys: ## every key of a scenario with unit, limits and default: docs/configuration.md
+	@./setup.sh demo cargo build --locked -p experiment --bin touchdown
+	@target/debug/touchdown keys --markdown >target/configuration.md
+	@mv target/configuration.md docs/configuration.md
 
 test: ## all tests
 	@./setup.sh test cargo test --workspace --locked

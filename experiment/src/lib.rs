@@ -12,6 +12,7 @@ pub mod figure;
 pub mod free_motion;
 pub mod impact;
 pub mod in_process;
+pub mod keys;
 pub mod launch;
 pub mod linear;
 pub mod log;

@@ -13,6 +13,7 @@ mod doctor;
 mod free_motion;
 mod impact;
 mod replay;
+mod keys;
 mod report;
 mod run;
 mod sweep;
@@ -86,6 +87,7 @@ enum Command {
     Bench(bench::Bench),
     Doctor(doctor::Args),
     Conform(conform::Args),
+    Keys(keys::Args),
 }
 
 /// A scenario as every subcommand takes it.
@@ -179,6 +181,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Bench(bench) => bench::run(bench),
         Command::Doctor(args) => doctor::run(args),
         Command::Conform(args) => conform::run(args),
+        Command::Keys(args) => keys::run(args),
     };
     outcome.unwrap_or_else(|error| {
         if error

@@ -46,7 +46,7 @@ pub use object_sensor::ObjectSensor;
 pub use program::{Program, Step, Steps};
 pub use protection::{Collision, Cusum, Limits, Oscillation};
 pub use robot::Drives;
-pub use schema::{Allowed, Key};
+pub use schema::{Allowed, Key, Section};
 pub use shaping::Shaping;
 pub use spatial::ports::Law;
 pub use task::{ForceControlled, Task};

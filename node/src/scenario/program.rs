@@ -1,6 +1,7 @@
 //! The section `[program]`: a list of steps, `[[program.step]]`, instead of the single task of `[task]`.
 
 use super::check::{Conflicts, short};
+use super::choice::Choice;
 use super::error::{Place, Refusal};
 use super::schema::Field;
 use super::{OnFailure, Scenario, StepKind, TaskKind, names, schema};
@@ -23,6 +24,11 @@ impl Steps {
     /// A list has no keys of its own: they are its steps'.
     pub(in crate::scenario) fn fields(&mut self) -> impl Iterator<Item = Field<'_>> {
         std::iter::empty()
+    }
+
+    /// The section of its steps.
+    pub(in crate::scenario) fn with_inner() -> impl Iterator<Item = schema::Section> {
+        Step::with_inner()
     }
 }
 
@@ -164,6 +170,18 @@ impl Step {
     /// Every key of a step, in the order of declaration.
     pub fn keys() -> Vec<schema::Key> {
         Self::default().fields().map(schema::describe).collect()
+    }
+
+    /// Every kind of step by its word, with the names of the keys that it knows.
+    pub fn kinds() -> Vec<(&'static str, &'static [&'static str])> {
+        let mut kind = StepKind::default();
+        let words = kind.words().iter();
+        words
+            .map(|&word| {
+                kind.choose(word);
+                (word, kind.keys())
+            })
+            .collect()
     }
 }
 

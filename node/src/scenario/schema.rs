@@ -35,6 +35,15 @@ pub(super) fn split(path: &str) -> (&str, &str) {
     path.rsplit_once('.').unwrap_or(("", path))
 }
 
+/// One section of a scenario, as the reference sees it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Section {
+    /// Its name, such as `robot` or `controller.pd`; empty: the top level.
+    pub path: &'static str,
+    /// What it is about.
+    pub doc: &'static str,
+}
+
 /// What a key accepts.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Allowed {
@@ -172,6 +181,15 @@ macro_rules! section {
                 }),*];
                 own.into_iter()$($(.chain(self.$inner.fields()))+)?
             }
+
+            /// This section and those inside it, in the order of declaration.
+            pub(in crate::scenario) fn with_inner() -> impl Iterator<Item = $crate::scenario::schema::Section> {
+                let own = $crate::scenario::schema::Section {
+                    path: $path,
+                    doc: concat!($($section_doc),+).trim_ascii(),
+                };
+                std::iter::once(own)$($(.chain($Inner::with_inner()))+)?
+            }
         }
     };
 }
@@ -181,6 +199,14 @@ impl Scenario {
     /// Every key there is, in the order of declaration.
     pub fn keys() -> Vec<Key> {
         Self::default().fields().map(describe).collect()
+    }
+
+    /// Every section there is, in the order of declaration; `program.step`, whose keys are those of
+    /// [`Step::keys`](super::Step::keys), among them.
+    pub fn sections() -> Vec<Section> {
+        Self::with_inner()
+            .filter(|section| !section.path.is_empty())
+            .collect()
     }
 
     /// What the key `path` accepts, if it is a number or an array of numbers.
