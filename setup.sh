@@ -48,6 +48,8 @@ find_rust() {
     PATH=$original_path
 }
 
+is_debian() { grep -qx 'ID=debian' /etc/os-release 2>/dev/null; }
+
 need() { # REASON PACKAGE...
     reasons="$reasons
   $1"
@@ -83,6 +85,10 @@ examine() {
         python3 -c 'import ensurepip, venv' 2>/dev/null ||
             need "Python with venv: the tests exchange messages with Python's LCM" python3 python3-venv
         have ip || need "ip: the tests run nodes in network namespaces" iproute2
+        # Elsewhere a browser is a snap or from another source: that test is skipped there.
+        if is_debian && ! { have chromium-headless-shell || have chromium; }; then
+            need "a browser without a window: a test looks at the page of touchdown watch --web" chromium-headless-shell
+        fi
     fi
     if [ "$task" = bits ]; then
         have qemu-x86_64 || need "qemu: runs a test as other CPUs do" qemu-user

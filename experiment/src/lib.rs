@@ -29,3 +29,4 @@ pub mod table;
 pub mod transcript;
 pub mod tuning;
 pub mod up;
+pub mod watch;

@@ -18,3 +18,4 @@ mod programs;
 mod python;
 mod runs;
 mod up;
+mod watch;

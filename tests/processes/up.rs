@@ -13,17 +13,17 @@ use tests::hosts::on_hosts;
 use tests::{Bench, processes_naming, programs, signal, touchdown, wait_for_end};
 
 /// How long something may take that has to come.
-const LONG: Duration = Duration::from_secs(30);
-const WHOLE: &str = "all nodes work with each other";
+pub(crate) const LONG: Duration = Duration::from_secs(30);
+pub(crate) const WHOLE: &str = "all nodes work with each other";
 
-/// A `touchdown up` and what it says.
-struct Up {
+/// A `touchdown up` (or another program that runs until it is told to end) and what it says.
+pub(crate) struct Up {
     child: Child,
     lines: crossbeam::channel::Receiver<String>,
 }
 
 impl Up {
-    fn start(mut command: Command) -> Self {
+    pub(crate) fn start(mut command: Command) -> Self {
         let mut child = command
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
@@ -40,7 +40,7 @@ impl Up {
     }
 
     /// Read until a line contains `text`; that line.
-    fn until(&self, text: &str) -> String {
+    pub(crate) fn until(&self, text: &str) -> String {
         let give_up = clock::now() + LONG;
         let mut all = Vec::new();
         while let Ok(line) = self.lines.recv_deadline(give_up) {
@@ -53,7 +53,7 @@ impl Up {
     }
 
     /// Ask it to end; its exit code.
-    fn end(mut self) -> i32 {
+    pub(crate) fn end(mut self) -> i32 {
         signal(self.child.id(), Signal::TERM);
         self.child.wait().unwrap().code().unwrap()
     }
@@ -67,7 +67,7 @@ impl Drop for Up {
 }
 
 /// A cell on the ports of `bench`, in a file of its directory; all nodes on the host `here`.
-fn cell(bench: &Bench, name: &str, run_id: i64) -> PathBuf {
+pub(crate) fn cell(bench: &Bench, name: &str, run_id: i64) -> PathBuf {
     let file = bench.directory.path().join(name);
     let (device, world) = (&bench.plan.wiring.device[0], &bench.plan.wiring.world[0]);
     let nodes = ["robot-sim", "sensor-sim", "controller"].map(|node| format!("[{node}]\nhost = \"here\"\n"));
@@ -80,7 +80,7 @@ fn cell(bench: &Bench, name: &str, run_id: i64) -> PathBuf {
     file
 }
 
-fn up(file: &Path, arguments: &[&str]) -> Up {
+pub(crate) fn up(file: &Path, arguments: &[&str]) -> Up {
     let mut command = touchdown();
     command
         .arg("up")

@@ -20,6 +20,7 @@ mod sweep;
 mod task;
 mod tune;
 mod up;
+mod watch;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
@@ -74,6 +75,7 @@ enum Command {
     Task(task::Args),
     Analyse(analyse::Args),
     Replay(replay::Args),
+    Watch(watch::Args),
     Compare(compare::Args),
     Tune(tune::Args),
     Sweep(sweep::Args),
@@ -169,6 +171,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Task(args) => task::run(args),
         Command::Analyse(args) => analyse::run(args),
         Command::Replay(args) => replay::run(args),
+        Command::Watch(args) => watch::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Tune(args) => tune::run(args),
         Command::Sweep(args) => sweep::run(args),

@@ -60,7 +60,7 @@ struct Report {
 }
 
 /// The URL of the device channels where none is named.
-const DEFAULT_URL: &str = "udpm://239.255.76.67:7667?ttl=0";
+pub(super) const DEFAULT_URL: &str = "udpm://239.255.76.67:7667?ttl=0";
 /// As many senders are told apart; the counts of requests, which begin there, have room beyond.
 const SENDERS: i64 = 8_000_000_000_000;
 /// How long to wait for an answer, and for how long a reset is asked for again.
