@@ -5,6 +5,7 @@
 
 use crate::delivery::Modelled;
 use crate::motion::Sample;
+use crate::phases::Event;
 use crate::transform::deflection_at_tcp;
 use crate::{Controller, ControllerPhase};
 use nalgebra::Vector3;
@@ -52,7 +53,7 @@ impl Controller {
     /// Take the robot's `state` in the cycle at `tick`; whether the controller itself has stood still before it for too long,
     /// which is a fault: no cycle has told of that silence, and what it knows of robot and object is that old.
     pub(crate) fn hear_robot(&mut self, state: &RobotState, tick: i64) -> bool {
-        let stood_still = self.motion.is_some() && self.fault == Fault::None && self.robot_stale(tick);
+        let stood_still = self.motion.is_some() && self.phases.well() && self.robot_stale(tick);
         if stood_still {
             self.fail(Fault::StateStale);
         }
@@ -61,12 +62,12 @@ impl Controller {
             self.newest_state_utime = state.stamp.utime;
             self.state_tick = tick;
         }
-        if self.phase == ControllerPhase::Init {
+        if self.phases.phase() == ControllerPhase::Init {
             self.start = state.axis_position[0];
             self.commanded = self.start;
             self.bounds.begin(&self.start);
             self.join(&state.axis_position[0]);
-            self.phase = ControllerPhase::Sync;
+            self.phases.take(Event::Joined);
         }
         self.robot = Some(*state);
         stood_still
@@ -91,7 +92,7 @@ impl Controller {
     /// it follows.
     pub(crate) fn modelled(&self) -> Modelled {
         let tilts = self.tilting.is_some_and(|tilting| tilting.begun());
-        let leads = self.fault == Fault::None && !tilts;
+        let leads = self.phases.well() && !tilts;
         let motion = self.motion.as_ref().filter(|_| leads);
         Modelled {
             sent: *self.bounds.sent(),
@@ -134,7 +135,7 @@ impl Controller {
             flags: sample.flags,
             axes,
         };
-        let approaching = self.phase == ControllerPhase::Approach;
+        let approaching = self.phases.phase() == ControllerPhase::Approach;
         motion.take(&self.settings, &self.expectation, &taken, approaching, tick);
         match motion.contact_tick() {
             Some(contact_tick) => {

@@ -94,7 +94,8 @@ impl Controller {
 
     /// Take zero anew and let the task begin, once the tool rests at the start.
     pub(crate) fn arrive_home(&mut self, tick: i64) {
-        let returns = self.homing.joined == Joined::Returning && self.phase == ControllerPhase::Ready;
+        let returns =
+            self.homing.joined == Joined::Returning && self.phases.phase() == ControllerPhase::Ready;
         if returns && self.rests(tick) {
             self.homing.joined = Joined::AtStart;
             self.tare_anew(tick);

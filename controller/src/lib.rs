@@ -71,6 +71,7 @@ mod heard;
 mod homing;
 mod motion;
 mod parameters;
+mod phases;
 mod program;
 mod protection;
 mod readiness;
@@ -92,6 +93,7 @@ use motion::Motion;
 use node::scenario::{self, Scenario};
 use pairing::{EncoderHistory, Waiting};
 use parameters::Parameters;
+use phases::{Event, Phases};
 use program::Program;
 use requests::Requests;
 use sensing::Sensing;
@@ -119,8 +121,7 @@ pub struct Controller {
     parameters: Parameters,
     program: Program,
     requests: Requests,
-    phase: ControllerPhase,
-    fault: Fault,
+    phases: Phases,
     /// The robot's newest state; `None`: none has come yet.
     robot: Option<RobotState>,
     encoders: EncoderHistory,
@@ -169,8 +170,7 @@ impl Controller {
             program: Program::new(scenario),
             requests: Requests::default(),
             settings,
-            phase: ControllerPhase::Init,
-            fault: Fault::None,
+            phases: Phases::new(),
             robot: None,
             encoders: EncoderHistory::default(),
             waiting: Waiting::default(),
@@ -259,7 +259,7 @@ impl Controller {
     fn change_phase(&mut self, tick: i64, state: &RobotState) {
         let time = tick as f64 * TICK_S;
         self.follow_request(tick, state);
-        match self.phase {
+        match self.phases.phase() {
             ControllerPhase::Sync if self.tared(tick) => {
                 if let Some(noise_m) = self.sensing.finish_tare(self.settings.controller.tare_s) {
                     let zero = self.sensing.zero();
@@ -267,7 +267,7 @@ impl Controller {
                     self.bounds.hang(motion.hanging_in_s());
                     self.motion = Some(motion);
                     self.tilting = Tilting::of(&self.settings, &self.start);
-                    self.phase = ControllerPhase::Ready;
+                    self.phases.take(Event::Tared);
                 }
             }
             ControllerPhase::Ready if time >= self.settings.task.standstill_s && !self.started => {
@@ -275,7 +275,7 @@ impl Controller {
             }
             ControllerPhase::Calibrate if self.tilting.is_some_and(|tilting| tilting.done()) => {
                 self.tilting = None;
-                self.phase = ControllerPhase::Ready;
+                self.phases.take(Event::Rests);
             }
             _ => {}
         }
@@ -292,7 +292,7 @@ impl Controller {
         if self.motion.is_some() && self.robot_stale(tick) {
             return self.fail(Fault::StateStale);
         }
-        if self.fault == Fault::None {
+        if self.phases.well() {
             self.follow_program(tick);
         }
     }
@@ -311,10 +311,7 @@ impl Controller {
 
     /// Latch `fault`, unless another one came first.
     fn fail(&mut self, fault: Fault) {
-        self.phase = ControllerPhase::Fault;
-        if self.fault == Fault::None {
-            self.fault = fault;
-        }
+        self.phases.take(Event::Fails(fault));
     }
 }
 

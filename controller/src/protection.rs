@@ -10,7 +10,7 @@ impl Controller {
     /// Latch a collision that the newest sample completes.
     pub(crate) fn watch_for_collision(&mut self, sample: &Sample) {
         let wrench = self.contact_wrench(&sample.deflection);
-        let Some(motion) = self.motion.as_mut().filter(|_| self.fault == Fault::None) else {
+        let Some(motion) = self.motion.as_mut().filter(|_| self.phases.well()) else {
             return;
         };
         let free = Allowed::Free {
@@ -62,7 +62,7 @@ impl Controller {
         let motion = self
             .motion
             .as_mut()
-            .filter(|_| self.fault == Fault::None && !self.rejoins)?;
+            .filter(|_| self.phases.well() && !self.rejoins)?;
         let (settings, bounds) = (&self.settings, &mut self.bounds);
         if silent && !tilts {
             return Some(motion.hold(settings, bounds, &self.commanded));

@@ -4,6 +4,7 @@
 //! together or not at all, and slewed ([`crate::parameters`]).
 
 use crate::parameters::{FORCE, IN_THE_LOOP, OutOfRange, WRENCH};
+use crate::phases::Event;
 pub(crate) use crate::readiness::Refusal;
 use crate::readiness::{self, Evidence};
 use crate::{Controller, ControllerPhase};
@@ -104,14 +105,14 @@ impl Controller {
         let action = std::mem::take(&mut self.requests.action);
         let outcome = match action {
             TaskAction::None => return,
-            TaskAction::Start if self.phase == ControllerPhase::Ready => self.start(tick, state),
-            TaskAction::Start if self.fault != Fault::None => Err(latched()),
+            TaskAction::Start if self.phases.phase() == ControllerPhase::Ready => self.start(tick, state),
+            TaskAction::Start if !self.phases.well() => Err(latched()),
             TaskAction::Stop => {
                 self.stop(tick);
                 Ok(())
             }
             TaskAction::Reset => self.reset(tick, state),
-            TaskAction::Tare if self.phase == ControllerPhase::Ready && self.rests(tick) => {
+            TaskAction::Tare if self.phases.phase() == ControllerPhase::Ready && self.rests(tick) => {
                 self.tare_anew(tick);
                 Ok(())
             }
@@ -165,7 +166,7 @@ impl Controller {
             });
         };
         tilting.go();
-        self.phase = ControllerPhase::Calibrate;
+        self.phases.take(Event::Works(ControllerPhase::Calibrate));
         Ok(())
     }
 
@@ -173,26 +174,26 @@ impl Controller {
     fn stop(&mut self, tick: i64) {
         self.started = true;
         self.homing.abandon();
-        if self.fault != Fault::None {
+        if !self.phases.well() {
             return;
         }
-        if self.phase == ControllerPhase::Calibrate {
+        if self.phases.phase() == ControllerPhase::Calibrate {
             if let Some(tilting) = &mut self.tilting {
                 tilting.pause();
             }
-            self.phase = ControllerPhase::Ready;
+            self.phases.take(Event::Rests);
         } else if self.program.step().is_some() {
             self.program.end();
             if let Some(motion) = &mut self.motion {
                 motion.stop(&self.settings, tick);
             }
-            self.phase = ControllerPhase::Ready;
+            self.phases.take(Event::Rests);
         }
     }
 
     /// Clear a latched fault whose cause is gone: at rest where the fault has stopped the robot, until a new start.
     fn reset(&mut self, tick: i64, state: &RobotState) -> Result<(), Refusal> {
-        if self.fault == Fault::None {
+        if self.phases.well() {
             return Ok(());
         }
         let fresh_s = self.settings.controller.stale_fault_s;
@@ -201,7 +202,8 @@ impl Controller {
         if silent || saturated || state.fault != Fault::None {
             return Err(latched());
         }
-        self.fault = Fault::None;
+        let tared = self.motion.is_some();
+        self.phases.take(Event::Resets { tared });
         self.collision.reset();
         self.started = true;
         self.homing.abandon();
@@ -210,13 +212,9 @@ impl Controller {
             tilting.halt();
         }
         self.rejoins = !crate::follows(state);
-        self.phase = match &mut self.motion {
-            Some(motion) => {
-                motion.recover(&self.settings, &self.commanded, tick);
-                ControllerPhase::Ready
-            }
-            None => ControllerPhase::Sync,
-        };
+        if let Some(motion) = &mut self.motion {
+            motion.recover(&self.settings, &self.commanded, tick);
+        }
         Ok(())
     }
 
@@ -234,7 +232,7 @@ impl Controller {
         self.tare_since_tick = tick;
         self.started = true;
         self.assessor.due = true;
-        self.phase = ControllerPhase::Sync;
+        self.phases.take(Event::TaresAnew);
     }
 
     /// Whether all that a start rests on is there.

@@ -24,8 +24,8 @@ impl Controller {
         let settings = &self.settings;
         let mut status = ControllerStatus {
             stamp: Stamp::lockstep(tick, settings.seed, Role::Controller),
-            phase: self.phase,
-            fault: self.fault,
+            phase: self.phases.phase(),
+            fault: self.phases.fault(),
             law: settings.controller.law,
             object_known: false,
             object_pose: Pose::identity(),
@@ -70,7 +70,7 @@ impl Controller {
         status.force_error_n = motion.force_n() - settings.desired.force.z;
         status.impact = motion.impact();
         status.oscillation_n = motion.oscillation_n();
-        if self.phase == ControllerPhase::Approach && motion.slowed(settings) {
+        if self.phases.phase() == ControllerPhase::Approach && motion.slowed(settings) {
             status.limits |= LIMIT_VELOCITY;
         }
         if self.sensing.drifts() {

@@ -2,6 +2,7 @@
 
 use crate::dofs::Selection;
 use crate::parameters::FORCE;
+use crate::phases::{Event, Phases};
 use crate::{Controller, ControllerPhase};
 use nalgebra::Vector3;
 use node::scenario::{ForceControlled, Step, StepKind};
@@ -25,7 +26,7 @@ impl Controller {
         let (settings, program) = (&mut self.settings, &mut self.program);
         let Some(motion) = &mut self.motion else { return };
         let Some(step) = program.step().cloned() else {
-            self.phase = ControllerPhase::Ready;
+            self.phases.take(Event::Rests);
             if motion.contact_tick().is_some() {
                 motion.stop(settings, tick);
             }
@@ -36,7 +37,7 @@ impl Controller {
             self.collision.reset();
         }
         let selection = selection(&settings.task.force_controlled, &step, program.configured);
-        self.phase = match step.kind {
+        let phase = match step.kind {
             StepKind::Approach => {
                 settings.task = self.configured.clone();
                 settings.task.approach_speed_m_per_s = step.speed_m_per_s;
@@ -93,6 +94,7 @@ impl Controller {
                 ControllerPhase::Move
             }
         };
+        self.phases.take(Event::Works(phase));
     }
 
     /// See how the present step stands in the cycle at `tick`, and go on to the next one where it has ended.
@@ -135,7 +137,7 @@ impl Controller {
             StepKind::Approach if ended => no_contact,
             StepKind::Press | StepKind::Hold if motion.lost_beyond_search() => no_contact,
             StepKind::Press => {
-                let settled_s = settle(motion, settings, &mut self.phase);
+                let settled_s = settle(motion, settings, &mut self.phases);
                 // The force is still led to where it is to be.
                 let arrived = settings.desired.force.z == step.force_n;
                 if !arrived {
@@ -149,7 +151,7 @@ impl Controller {
             }
             StepKind::Hold => {
                 if motion.presses() {
-                    settle(motion, settings, &mut self.phase);
+                    settle(motion, settings, &mut self.phases);
                 }
                 if elapsed_s >= step.duration_s {
                     Progress::Done
@@ -174,14 +176,14 @@ impl Controller {
         let Some(motion) = &self.motion else {
             return Progress::Goes;
         };
-        if self.phase == ControllerPhase::Approach && motion.in_contact() {
-            self.phase = ControllerPhase::Contact;
+        if self.phases.phase() == ControllerPhase::Approach && motion.in_contact() {
+            self.phases.take(Event::Works(ControllerPhase::Contact));
         } else if motion.yields_by_m() > step.tolerance_m {
             return Progress::Failed(Fault::ToleranceExceeded, LIMIT_STEP_TOLERANCE);
         } else if motion.saturated() {
             return Progress::Failed(Fault::DeflectionSaturated, LIMIT_STEP_TOLERANCE);
         } else if ended && motion.arrived(step.tolerance_m) {
-            self.phase = ControllerPhase::Settled;
+            self.phases.take(Event::Works(ControllerPhase::Settled));
             if self.program.configured {
                 return Progress::Done;
             }
@@ -194,15 +196,15 @@ impl Controller {
 fn settle(
     motion: &mut crate::motion::Motion,
     settings: &crate::settings::Settings,
-    phase: &mut ControllerPhase,
+    phases: &mut Phases,
 ) -> f64 {
     let error = motion.force_n() - settings.desired.force.z;
     let inside = libm::fabs(error) <= settings.controller.settled_band_n;
     let inside_s = motion.count_settled(inside) as f64 * settings.period_ticks as f64 * TICK_S;
     if inside_s >= SETTLED_S {
-        *phase = ControllerPhase::Settled;
+        phases.take(Event::Works(ControllerPhase::Settled));
     } else if !inside {
-        *phase = ControllerPhase::Contact;
+        phases.take(Event::Works(ControllerPhase::Contact));
     }
     inside_s
 }
