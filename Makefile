@@ -81,12 +81,14 @@ bits: ## the same bits in release and, emulated, on other CPUs
 		./setup.sh bits cargo test --locked -p experiment --test golden || exit 1; \
 	done
 
-bench: ## how fast simulation, sweeps and network are on this machine
+bench: ## how fast simulation, sweeps and network are on this machine (5 min), the network: docs/network.txt
 	@$(build)
 	@$(touchdown) bench simulation
 	@$(touchdown) bench controller elastic_arm
 	@$(touchdown) sweep smoke --fresh --out target/sweep/bench
-	@$(touchdown) bench network
+	@$(touchdown) bench network >target/network.txt
+	@mv target/network.txt docs/network.txt
+	@cat docs/network.txt
 
 faults: ## what goes wrong in real time, when, and what comes of it (10 min): docs/faults.txt
 	@./setup.sh test cargo build --workspace --bins --locked

@@ -9,6 +9,7 @@ mod error;
 
 pub use error::RunPortError;
 
+use crate::datagram;
 use std::fmt;
 use std::io::{self, ErrorKind};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, UdpSocket};
@@ -185,11 +186,10 @@ impl fmt::Display for Heard {
     }
 }
 
-/// The channel of a short LCM message: magic "LC02", a sequence number, the channel, a zero byte, the data.
+/// The channel of a short LCM message.
 fn channel(datagram: &[u8]) -> Option<String> {
-    let rest = datagram.strip_prefix(b"LC02")?.get(4..)?;
-    let end = rest.iter().take(64).position(|&byte| byte == 0)?;
-    Some(rest[..end].escape_ascii().to_string())
+    let (channel, _) = datagram::split(datagram)?;
+    Some(channel.escape_ascii().to_string())
 }
 
 #[cfg(test)]

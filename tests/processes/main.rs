@@ -13,6 +13,7 @@ mod command;
 mod conform;
 mod doctor;
 mod failures;
+mod network;
 mod programs;
 #[path = "../../lcmtypes/tests/wire/python.rs"]
 mod python;

@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand.
 
 mod analyse;
+mod bare;
 mod bench;
 mod bound;
 mod calibrate;
@@ -13,6 +14,7 @@ mod doctor;
 mod free_motion;
 mod impact;
 mod keys;
+mod network;
 mod replay;
 mod report;
 mod run;

@@ -32,10 +32,10 @@ impl Node {
                 command
             }
         };
+        command.args(&node.arguments);
         if node.through.is_empty() {
             command.args(["--with-parent", &std::process::id().to_string()]);
         }
-        command.args(&node.arguments);
         if std::env::var_os("RUST_LOG").is_none() {
             command.env("RUST_LOG", node.log);
         }
