@@ -85,6 +85,11 @@ examine() {
         python3 -c 'import ensurepip, venv' 2>/dev/null ||
             need "Python with venv: the tests exchange messages with Python's LCM" python3 python3-venv
         have ip || need "ip: the tests run nodes in network namespaces" iproute2
+        have javac || need "a Java compiler: a test asks lcm-spy's own database for our types" default-jdk-headless
+        if ! any "${LCM_PREFIX:-/usr}"/share/java/lcm.jar /usr/share/java/lcm.jar ||
+            ! any "${LCM_PREFIX:-/usr}"/share/java/jchart2d*.jar /usr/share/java/jchart2d*.jar; then
+            need "lcm-spy, for that test" liblcm-java libjchart2d-java
+        fi
         # Elsewhere a browser is a snap or from another source: that test is skipped there.
         if is_debian && ! { have chromium-headless-shell || have chromium; }; then
             need "a browser without a window: a test looks at the page of touchdown watch --web" chromium-headless-shell
@@ -140,7 +145,7 @@ resolve() {
     for package in $packages; do
         case "$package $(candidate "$package")" in
             *" " | *" (none)") unknown="$unknown $package" ;;
-            liblcm-*) if wants_java; then unpack="$unpack $package"; else wanted="$wanted $package"; fi ;;
+            liblcm-dev | liblcm-bin) if wants_java; then unpack="$unpack $package"; else wanted="$wanted $package"; fi ;;
             *) wanted="$wanted $package" ;;
         esac
     done

@@ -26,6 +26,7 @@ pub mod replay;
 pub mod report;
 pub mod run_port;
 pub mod scenarios;
+pub mod spy;
 pub mod sweep;
 pub mod table;
 pub mod transcript;

@@ -37,15 +37,17 @@ mod raw;
 mod router;
 pub mod schema;
 mod tally;
+mod types;
 mod url;
 
 pub use error::{DecodeError, LcmError, LogError, Refusal, Unusable};
 pub use event_log::{Event, EventLogReader, EventLogWriter};
 pub use inboxes::{Inboxes, Woken};
 pub use link::{Lcm, LcmBuilder};
-pub use message::{CHANNELS, Encoded, Message, check};
+pub use message::{CHANNELS, Encoded, Message, check, fingerprints};
 pub use router::{RawMessage, Received, Subscription};
 pub use tally::Counters;
+pub use types::TYPE_FILES;
 pub use url::Group;
 
 /// Version of the LCM that this crate was built against.

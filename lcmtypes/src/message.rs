@@ -128,6 +128,12 @@ const fn ascii(name: &'static CStr) -> &'static str {
     }
 }
 
+/// Every channel with the fingerprint of its type.
+pub fn fingerprints() -> impl Iterator<Item = (&'static str, u64)> {
+    let channels = CHANNELS.iter();
+    channels.filter_map(|&channel| Some((channel, type_of(channel)?.1)))
+}
+
 macro_rules! messages {
     ($($port:ty: $module:ident on $name:literal,)*) => {
         /// The names of all channels.

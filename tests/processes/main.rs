@@ -18,5 +18,6 @@ mod programs;
 #[path = "../../lcmtypes/tests/wire/python.rs"]
 mod python;
 mod runs;
+mod spy;
 mod up;
 mod watch;

@@ -18,6 +18,7 @@ mod network;
 mod replay;
 mod report;
 mod run;
+mod spy;
 mod sweep;
 mod task;
 mod tune;
@@ -78,6 +79,7 @@ enum Command {
     Analyse(analyse::Args),
     Replay(replay::Args),
     Watch(watch::Args),
+    Spy(spy::Args),
     Compare(compare::Args),
     Tune(tune::Args),
     Sweep(sweep::Args),
@@ -174,6 +176,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Analyse(args) => analyse::run(args),
         Command::Replay(args) => replay::run(args),
         Command::Watch(args) => watch::run(args),
+        Command::Spy(args) => spy::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Tune(args) => tune::run(args),
         Command::Sweep(args) => sweep::run(args),
