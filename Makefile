@@ -16,7 +16,7 @@ tuned_laws := pd,pd-reset,proposed,impedance,ros2,fzi
 alone := --gains default,tuned --set controller.oscillation.enabled=false
 both := $(alone) --laws $(all_laws)
 
-.PHONY: help demo report laws tune maps elastic free-motion keys test bits bench faults doctor check format lint doc clean
+.PHONY: help demo report laws tune maps elastic free-motion keys test bits bench faults doctor build install uninstall check format lint doc clean
 
 help: ## list the targets (default)
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 13
@@ -98,6 +98,38 @@ faults: ## what goes wrong in real time, when, and what comes of it (10 min): do
 doctor: ## is this host fit for LCM over UDP multicast?
 	@$(build)
 	@$(touchdown) doctor
+
+# Where `make install` puts things; below DESTDIR, which packages are built in. BUILT: where the programs are.
+PREFIX ?= /usr/local
+BUILT ?= target/release
+programs := touchdown robot-sim sensor-sim controller
+units := touchdown.service touchdown@.service
+in_prefix := $(DESTDIR)$(PREFIX)
+shared := $(in_prefix)/share/touchdown
+documents := $(in_prefix)/share/doc/touchdown
+
+build: ## the programs, for `make install`
+	@$(build)
+
+install: ## programs, units of systemd, scenarios, cells, message types, documents below PREFIX (/usr/local) and DESTDIR
+	@for program in $(programs); do [ -x $(BUILT)/$$program ] || { echo "first, without root: make build" >&2; exit 1; }; done
+	@install -d $(in_prefix)/bin $(in_prefix)/lib/systemd/system $(documents) \
+		$(shared)/scenarios $(shared)/cells $(shared)/types $(shared)/examples
+	@install -m 755 $(addprefix $(BUILT)/,$(programs)) $(in_prefix)/bin
+	@for unit in $(units); do \
+		sed 's#^ExecStart=/usr/local/#ExecStart=$(PREFIX)/#' docs/systemd/$$unit >$(in_prefix)/lib/systemd/system/$$unit && \
+		chmod 644 $(in_prefix)/lib/systemd/system/$$unit || exit 1; \
+	done
+	@install -m 644 experiment/scenarios/*.toml $(shared)/scenarios
+	@install -m 644 experiment/cells/*.toml $(shared)/cells
+	@install -m 644 lcmtypes/types/*.lcm $(shared)/types
+	@install -m 644 lcmtypes/examples/*.py $(shared)/examples
+	@install -m 644 README.md LICENSE docs/lab.md docs/configuration.md $(documents)
+	@install -m 644 lcmtypes/README.md $(documents)/messages.md
+
+uninstall: ## what `make install` has put there; not /etc/touchdown, which is yours
+	@rm -f $(addprefix $(in_prefix)/bin/,$(programs)) $(addprefix $(in_prefix)/lib/systemd/system/,$(units))
+	@rm -rf $(shared) $(documents)
 
 check: format lint doc ## what a change must pass besides the tests
 

@@ -79,7 +79,7 @@ fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../lcmtypes")
 }
 
-fn lcm_gen() -> PathBuf {
+pub(crate) fn lcm_gen() -> PathBuf {
     match std::env::var_os("LCM_PREFIX").filter(|prefix| !prefix.is_empty()) {
         Some(prefix) => Path::new(&prefix).join("bin/lcm-gen"),
         None => PathBuf::from("lcm-gen"),

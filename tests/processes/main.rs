@@ -13,11 +13,13 @@ mod command;
 mod conform;
 mod doctor;
 mod failures;
+mod install;
 mod network;
 mod programs;
 #[path = "../../lcmtypes/tests/wire/python.rs"]
 mod python;
 mod runs;
+mod scripting;
 mod spy;
 mod up;
 mod watch;

@@ -72,7 +72,7 @@ pub(crate) fn cell(bench: &Bench, name: &str, run_id: i64) -> PathBuf {
     let (device, world) = (&bench.plan.wiring.device[0], &bench.plan.wiring.world[0]);
     let nodes = ["robot-sim", "sensor-sim", "controller"].map(|node| format!("[{node}]\nhost = \"here\"\n"));
     let text = format!(
-        "scenario = \"paper\"\nset = [\"timing.mode=realtime\", \"robot.command_gap_s=0.25\"]\nrun_id = {run_id}\n\
+        "scenario = \"paper\"\nset = [\"timing.mode=realtime\", \"robot.command_gap_s=0.25\", \"controller.stale_fault_s=0.25\"]\nrun_id = {run_id}\n\
          url = \"{device}\"\nsim_url = \"{world}\"\n{}",
         nodes.concat()
     );
