@@ -10,6 +10,7 @@ pub mod cost;
 mod datagram;
 pub mod detection;
 pub mod doctor;
+pub mod export;
 pub mod figure;
 pub mod free_motion;
 pub mod impact;

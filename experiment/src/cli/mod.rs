@@ -11,6 +11,7 @@ mod conform;
 mod cycle;
 mod detection;
 mod doctor;
+mod export;
 mod free_motion;
 mod impact;
 mod keys;
@@ -80,6 +81,7 @@ enum Command {
     Replay(replay::Args),
     Watch(watch::Args),
     Spy(spy::Args),
+    Export(export::Args),
     Compare(compare::Args),
     Tune(tune::Args),
     Sweep(sweep::Args),
@@ -177,6 +179,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Replay(args) => replay::run(args),
         Command::Watch(args) => watch::run(args),
         Command::Spy(args) => spy::run(args),
+        Command::Export(args) => export::run(args),
         Command::Compare(args) => compare::run(args),
         Command::Tune(args) => tune::run(args),
         Command::Sweep(args) => sweep::run(args),
