@@ -3,11 +3,15 @@
 
 mod channels;
 mod clocks;
+mod figures;
+mod page;
 mod text;
 mod timing;
 
 pub use channels::Channel;
 pub use clocks::Clock;
+pub use figures::Figure;
+pub use page::Headline;
 pub use timing::{Health, Timing};
 
 use crate::log::Log;

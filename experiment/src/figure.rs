@@ -1,5 +1,6 @@
 //! The force of several laws over time as one SVG: the counterpart of the paper's Figs. 7 and 8.
 
+pub(crate) mod chart;
 mod panel;
 pub(crate) mod style;
 

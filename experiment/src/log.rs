@@ -108,15 +108,20 @@ pub fn stamp(bytes: &[u8]) -> Option<Stamp> {
 }
 
 impl Log {
-    /// Read all that can be read of the log at `path`.
-    pub fn open(path: &Path) -> Result<Self, NoLog> {
-        let mut log = Self {
+    /// The log `path` with `entries` that are known to be usable.
+    pub fn of(path: &Path, entries: Vec<Entry>) -> Self {
+        Self {
             path: path.to_owned(),
-            entries: Vec::new(),
+            entries,
             damage: None,
             unusable: Vec::new(),
             foreign: BTreeMap::new(),
-        };
+        }
+    }
+
+    /// Read all that can be read of the log at `path`.
+    pub fn open(path: &Path) -> Result<Self, NoLog> {
+        let mut log = Self::of(path, Vec::new());
         let mut events = 0;
         for event in EventLogReader::open(path)? {
             match event {

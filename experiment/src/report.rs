@@ -8,7 +8,7 @@ mod gather;
 mod losses;
 mod origin;
 mod page;
-mod parts;
+pub(crate) mod parts;
 mod ranking;
 mod section;
 

@@ -15,6 +15,7 @@ mod doctor;
 mod failures;
 mod install;
 mod network;
+mod logs;
 mod programs;
 #[path = "../../lcmtypes/tests/wire/python.rs"]
 mod python;

@@ -2,17 +2,10 @@
 
 use super::*;
 use crate::scenarios::Source;
-use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::Path;
 
 fn log(scenario: &Scenario) -> Log {
-    Log {
-        path: PathBuf::new(),
-        entries: transcript::in_process(scenario).unwrap(),
-        damage: None,
-        unusable: Vec::new(),
-        foreign: BTreeMap::new(),
-    }
+    Log::of(Path::new(""), transcript::in_process(scenario).unwrap())
 }
 
 #[test]
@@ -46,6 +39,39 @@ fn a_simulated_run_tells_all() {
     assert!(
         (measured.peak_force_n / peak - 1.0).abs() < 0.25,
         "{measured:?} {peak} N"
+    );
+
+    let headline = Headline {
+        scenario: "paper <1>",
+        log: "a.lcmlog".to_owned(),
+        complaints: vec!["it is damaged".to_owned()],
+    };
+    let page = analysis.html(&scenario, &headline);
+    for text in [
+        "paper &lt;1&gt;",
+        "it is damaged",
+        "height in r, mm",
+        "deflection in s, um",
+        "turned since before, mrad",
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
+    assert!(!page.contains("http://") && !page.contains("https://"));
+    let names: Vec<_> = analysis
+        .figures(&scenario)
+        .iter()
+        .map(|figure| figure.name)
+        .collect();
+    assert_eq!(
+        names,
+        [
+            "force",
+            "position",
+            "deflection",
+            "twist",
+            "orientation",
+            "impact"
+        ]
     );
 
     // What a recorder on the network hears twice changes nothing; what it does not hear is told.

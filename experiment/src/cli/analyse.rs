@@ -1,13 +1,14 @@
 //! `touchdown analyse`, and how a command takes a log.
 
 use super::{FAILED, WrongUsage, complain, print, print_json};
-use anyhow::Result;
-use experiment::analyse::Analysis;
+use anyhow::{Context, Result};
+use experiment::analyse::{Analysis, Headline};
 use experiment::log::{Log, sidecar};
 use experiment::scenarios::Source;
 use node::scenario::Scenario;
 use serde::Serialize;
 use serde_json::Value;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -24,6 +25,9 @@ Exit codes:
 pub(crate) struct Args {
     #[command(flatten)]
     log: LogArgs,
+    /// Write report.html, which needs no network and prints on A4, and each figure as SVG into a directory
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
     /// Print one JSON object instead of text
     #[arg(long)]
     json: bool,
@@ -147,5 +151,31 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     } else {
         print(analysis.text(&of.1))?;
     }
+    if let Some(out) = &args.out {
+        write_report(&analysis, &of, &log, out)?;
+    }
     Ok(conclude(&log))
+}
+
+fn write_report(
+    analysis: &Analysis,
+    (source, scenario): &(Source, Scenario),
+    log: &Log,
+    out: &Path,
+) -> Result<()> {
+    fs::create_dir_all(out).with_context(|| format!("can't create {}", out.display()))?;
+    let write = |name: String, text: &str| {
+        let path = out.join(name);
+        fs::write(&path, text).with_context(|| format!("can't write {}", path.display()))
+    };
+    let headline = Headline {
+        scenario: &source.name,
+        log: log.path.display().to_string(),
+        complaints: log.complaints(),
+    };
+    write("report.html".to_owned(), &analysis.html(scenario, &headline))?;
+    for figure in analysis.figures(scenario) {
+        write(format!("{}.svg", figure.name), &figure.svg)?;
+    }
+    Ok(())
 }

@@ -6,9 +6,10 @@ mod program;
 use super::{Header, ScenarioArgs, distinct, print, print_json, progress, word};
 use anyhow::{Context, Result};
 use crossbeam::channel::Receiver;
+use experiment::analyse::{Analysis, Headline};
 use experiment::figure::{LabelledCurve, force_figure};
 use experiment::launch::{self, LaunchError, Plan, Wiring};
-use experiment::log::sidecar;
+use experiment::log::{Log, sidecar};
 use experiment::metrics::Recording;
 use experiment::out::Workplace;
 use experiment::run_port::RunPort;
@@ -33,7 +34,8 @@ pub(crate) struct Args {
     /// program proposed]
     #[arg(long, value_delimiter = ',')]
     laws: Vec<String>,
-    /// Keep all that was said, as LCM event logs, with the scenario as it was resolved, seed and versions beside them
+    /// Keep all that was said, as LCM event logs; beside each the scenario as it was resolved, seed and versions, and a
+    /// report (HTML)
     #[arg(long)]
     record: bool,
     /// Directory for figure and data
@@ -85,7 +87,7 @@ impl Args {
     fn data(&self, law: &str) -> String {
         let base = self.out.join(law);
         let log = if self.record {
-            format!("{}.lcmlog, ", base.display())
+            format!("{0}.lcmlog, {0}.html, ", base.display())
         } else {
             String::new()
         };
@@ -177,6 +179,17 @@ fn measure(
 /// The log of a run, and what belongs beside it.
 fn keep(place: &mut Workplace, source: &Source, run: &Run, entries: &[Entry]) -> Result<()> {
     let log = format!("{}.lcmlog", run.law);
+    let headline = Headline {
+        scenario: &source.name,
+        log: log.clone(),
+        complaints: Vec::new(),
+    };
+    let analysis = Analysis::new(&run.scenario, &Log::of(Path::new(&log), entries.to_vec()));
+    place
+        .result(format!("{}.html", run.law), |path| {
+            fs::write(path, analysis.html(&run.scenario, &headline))
+        })
+        .with_context(|| format!("can't write {}.html", run.law))?;
     place.result(log.clone(), |path| transcript::write_log(path, entries))?;
     let beside = sidecar::path(Path::new(&log));
     let text = sidecar::text(Path::new(&log), &source.name, &run.scenario);

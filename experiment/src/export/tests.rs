@@ -13,13 +13,7 @@ fn log() -> Log {
         .unwrap()
         .scenario(&["timing.duration_s=0.1".to_owned()])
         .unwrap();
-    Log {
-        path: PathBuf::new(),
-        entries: transcript::in_process(&scenario).unwrap(),
-        damage: None,
-        unusable: Vec::new(),
-        foreign: BTreeMap::new(),
-    }
+    Log::of(Path::new(""), transcript::in_process(&scenario).unwrap())
 }
 
 #[test]

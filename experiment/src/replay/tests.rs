@@ -5,8 +5,7 @@ use crate::scenarios::Source;
 use crate::transcript;
 use spatial::TICK_US;
 use spatial::ports::{RobotState, Stamp, Task, TaskAction};
-use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::Path;
 
 fn scenario(name: &str, overrides: &[&str]) -> Scenario {
     let overrides: Vec<_> = overrides.iter().map(|text| (*text).to_owned()).collect();
@@ -14,13 +13,7 @@ fn scenario(name: &str, overrides: &[&str]) -> Scenario {
 }
 
 fn log(entries: Vec<Entry>) -> Log {
-    Log {
-        path: PathBuf::new(),
-        entries,
-        damage: None,
-        unusable: Vec::new(),
-        foreign: BTreeMap::new(),
-    }
+    Log::of(Path::new(""), entries)
 }
 
 fn tasks() -> [Task; 2] {

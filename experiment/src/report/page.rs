@@ -2,7 +2,7 @@
 
 use super::origin::quoted;
 use super::parts::{
-    drawing, failures, laws_table, origin, panel_legend, panels, prose, ranking_legend, wide,
+    STYLE, drawing, failures, laws_table, origin, panel_legend, panels, prose, ranking_legend, wide,
 };
 use super::{Loss, Options, Report, Section, losses, ranking};
 use crate::figure::FigureError;
@@ -11,7 +11,6 @@ use crate::table::{FIGURES, Figure, Row, fixed};
 use crate::tuning::Gains;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-const STYLE: &str = include_str!("style.css");
 const SORT: &str = include_str!("sort.js");
 /// What the rankings show, and what they are called.
 const RANKED: [(&str, &str); 2] = [("IAE N s", "force error, IAE, N s"), ("peak N", "peak force, N")];

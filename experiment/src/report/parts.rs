@@ -6,8 +6,11 @@ use crate::table::{FIGURES, Figure, MORE, Row, fixed};
 use crate::tuning::Gains;
 use maud::{Markup, PreEscaped, html};
 
+/// How every page looks, on paper, too.
+pub(crate) const STYLE: &str = include_str!("style.css");
+
 /// A figure inside the page; `label` is for those who can't see it.
-pub(super) fn drawing(svg: &str, label: &str) -> Markup {
+pub(crate) fn drawing(svg: &str, label: &str) -> Markup {
     // Inside HTML the name space is known, and what is shown has a name of its own.
     let svg = svg.replacen(r#" xmlns="http://www.w3.org/2000/svg""#, "", 1);
     let label = html! { (label) }.into_string();
@@ -34,7 +37,7 @@ pub(super) fn prose(text: &str) -> Markup {
 }
 
 /// A box of its own for what is wider than a phone.
-pub(super) fn wide(label: &str, content: &Markup) -> Markup {
+pub(crate) fn wide(label: &str, content: &Markup) -> Markup {
     html! { div.wide tabindex="0" role="region" aria-label=(label) { (content) } }
 }
 
@@ -125,7 +128,7 @@ pub(super) fn panels(scenario: &str, panels: &[Panel]) -> Markup {
 }
 
 /// What the lines of a panel mean.
-pub(super) fn panel_legend() -> Markup {
+pub(crate) fn panel_legend() -> Markup {
     html! {
         p.legend {
             span { i.line.truth {} "true force" }
