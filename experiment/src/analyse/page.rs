@@ -7,6 +7,7 @@ use crate::table::{FIGURES, MORE, fixed};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use node::scenario::Scenario;
 use spatial::ports::ImpactAssessment;
+use std::path::Path;
 
 /// What only this page has.
 const OWN: &str = "pre.keys { columns: 2; font-size: .78rem; line-height: 1.35; white-space: pre-wrap; } \
@@ -15,7 +16,7 @@ const OWN: &str = "pre.keys { columns: 2; font-size: .78rem; line-height: 1.35; 
 /// Where an analysis comes from.
 #[derive(Clone, Debug)]
 pub struct Headline<'a> {
-    /// Name of the scenario.
+    /// Name of the scenario, or its path.
     pub scenario: &'a str,
     /// Name of the log.
     pub log: String,
@@ -27,17 +28,19 @@ impl Analysis {
     /// The page of a log of `scenario`.
     pub fn html(&self, scenario: &Scenario, headline: &Headline<'_>) -> String {
         let law = crate::tuning::law_word(scenario.controller.law);
+        let name = Path::new(headline.scenario).file_stem().unwrap_or_default();
+        let title = format!("Run of {}, law {law}", name.to_string_lossy());
         let page = html! {
             (DOCTYPE)
             html lang="en" {
                 head {
                     meta charset="utf-8";
                     meta name="viewport" content="width=device-width, initial-scale=1";
-                    title { "Touchdown: " (headline.scenario) ", law " (law) }
+                    title { (title) }
                     style { (PreEscaped(STYLE)) (PreEscaped(OWN)) }
                 }
                 body {
-                    (self.header(scenario, headline, law))
+                    (self.header(scenario, headline, &title))
                     main {
                         (self.drawings(scenario))
                         h2 { "Impact" }
@@ -56,11 +59,11 @@ impl Analysis {
         page.into_string()
     }
 
-    fn header(&self, scenario: &Scenario, headline: &Headline<'_>, law: &str) -> Markup {
+    fn header(&self, scenario: &Scenario, headline: &Headline<'_>, title: &str) -> Markup {
         html! {
             header { div {
-                h1 { (headline.scenario) ", law " (law) }
-                p { "Of the log " code { (headline.log) } ", configuration " code { (format!("{:016x}", scenario.hash())) }
+                h1 { (title) }
+                p { "Scenario " code { (headline.scenario) } ", log " code { (headline.log) } ", configuration " code { (format!("{:016x}", scenario.hash())) }
                     ", seed " (scenario.timing.seed) "."
                     @if let Some((.., from)) = &self.recording { " Force: " (source(*from)) "." }
                 }

@@ -18,16 +18,16 @@ impl Scenario {
             text += &line(name, &field.slot);
         }
         for step in self.program.steps() {
-            text += &step.clone().to_toml();
+            text += &step.to_toml();
         }
         text.trim_start().to_owned()
     }
 }
 
 impl Step {
-    fn to_toml(&mut self) -> String {
-        let known = self.known();
-        let fields = self
+    fn to_toml(&self) -> String {
+        let (known, mut step) = (self.known(), self.clone());
+        let fields = step
             .fields()
             .map(|Field { path, slot, .. }| (split(path).1, slot));
         let lines = fields.filter(|(name, _)| known.contains(name));
