@@ -14,8 +14,8 @@ mod conform;
 mod doctor;
 mod failures;
 mod install;
-mod network;
 mod logs;
+mod network;
 mod programs;
 #[path = "../../lcmtypes/tests/wire/python.rs"]
 mod python;
