@@ -18,6 +18,13 @@ use tests::{Bench, signal, touchdown};
 
 const LIMIT: Duration = Duration::from_secs(20);
 
+/// LCM's program `name`: of the LCM that this was built with, or the system's.
+fn lcm_program(name: &str) -> PathBuf {
+    let own = std::env::var_os("LCM_PREFIX").map(|prefix| Path::new(&prefix).join("bin").join(name));
+    own.filter(|program| program.exists())
+        .unwrap_or_else(|| name.into())
+}
+
 /// A program of LCM's that is ended when it is dropped.
 struct Lcm(Child);
 
@@ -69,7 +76,7 @@ fn what_lcm_logger_records_of_a_run_is_analysed_and_replayed() {
     let log = bench.directory.path().join("logger.lcmlog");
     let url = &bench.plan.wiring.watch;
     let mut logger = Lcm::start(
-        Command::new("lcm-logger")
+        Command::new(lcm_program("lcm-logger"))
             .args(["--lcm-url", url, "--flush-interval", "10", "--force"])
             .arg(&log),
     );
@@ -162,7 +169,7 @@ fn plays(log: &Path) {
     let statuses = link.subscribe::<ControllerStatus>(4096);
     let _link = link.start().unwrap();
     let mut player = Lcm::start(
-        Command::new("lcm-logplayer")
+        Command::new(lcm_program("lcm-logplayer"))
             .args(["--speed", "4", "--lcm-url", &url])
             .arg(log),
     );
@@ -187,9 +194,7 @@ fn python_reads(directory: &Path, log: &Path) {
                    assert [t.step for t in truths] == list(range(2401))\n\
                    assert [e.timestamp for e in events] == sorted(e.timestamp for e in events)\n\
                    print(len(events), max(t.truth_contact_force_peak_n for t in truths))";
-    let generator = std::env::var_os("LCM_PREFIX")
-        .map_or("lcm-gen".into(), |prefix| Path::new(&prefix).join("bin/lcm-gen"));
-    let told = python::generate(&generator, &types, directory).and_then(|()| {
+    let told = python::generate(&lcm_program("lcm-gen"), &types, directory).and_then(|()| {
         let output = Command::new(python::python()?)
             .args(["-c", program])
             .args([directory, log])
