@@ -138,8 +138,8 @@ impl Controller {
             StepKind::Press | StepKind::Hold if motion.lost_beyond_search() => no_contact,
             StepKind::Press => {
                 let settled_s = settle(motion, settings, &mut self.phases);
-                // The force is still led to where it is to be.
-                let arrived = settings.desired.force.z == step.force_n;
+                // The force is still led to where it is to be, by the step or by a request since.
+                let arrived = settings.desired.force.z == settings.task.desired_force_n;
                 if !arrived {
                     motion.begin_pressing();
                 }

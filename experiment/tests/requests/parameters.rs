@@ -32,8 +32,8 @@ fn effect(scenario: &Scenario, i: usize) -> [f64; 3] {
         "{name}"
     );
     let end = with.statuses.last().unwrap();
-    let pressing = matches!(end.phase, ControllerPhase::Contact | ControllerPhase::Settled);
-    assert!(pressing && end.fault == Fault::None, "{name}: {end:?}");
+    let settled = end.phase == ControllerPhase::Settled;
+    assert!(settled && end.fault == Fault::None, "{name}: {end:?}");
     let force: Vec<f64> = with
         .force_n
         .iter()
