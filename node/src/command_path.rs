@@ -39,6 +39,10 @@ impl CommandPath {
     pub fn accept(&mut self, now: i64, command: &Command) {
         let first = command.stamp.step / self.period + self.delay_periods + 1;
         let under_way = (now + self.period - 1) / self.period;
+        // What is held since the last horizon's end is written out up to the new one: that takes the places of the last.
+        for index in now / self.period..=under_way.max(first - 1) {
+            self.put(index, self.get(index));
+        }
         for (index, axes) in (first..).zip(&command.axis_position) {
             if index > under_way {
                 self.put(index, *axes);
@@ -131,6 +135,20 @@ mod tests {
         assert_eq!(path.at(40).x, 8.0);
         assert_eq!(path.at(42).x, 8.0);
         assert_eq!(path.at(4000).x, 8.0);
+    }
+
+    /// After a silence of any length the robot goes on from where it was held, not from where it was before.
+    #[test]
+    fn a_command_after_a_silence_goes_on_from_the_end_of_the_last_horizon() {
+        for silence in 0..30 {
+            let mut path = CommandPath::new(4, 2, Axes::zeros());
+            path.accept(0, &command(0, 1.0, 1.0));
+            let (step, late) = (40 + 4 * silence, silence % 4);
+            path.accept(step + late, &command(step, 8.0, 0.0));
+            for tick in step + late..step + 80 {
+                assert_eq!(path.at(tick).x, 8.0, "{silence} periods, tick {tick}");
+            }
+        }
     }
 
     /// The command of tick 0 acts from tick 8 on; it comes at tick 10, in the period that ends with its first set-point.
