@@ -16,7 +16,7 @@ use controller::{Controller, Heard, Outputs};
 use cycles::Cycle;
 use lcmtypes::Message;
 use node::scenario::Scenario;
-use spatial::ports::{Command, ControllerStatus, Invalid};
+use spatial::ports::{Command, ControllerStatus, Fault, Invalid};
 use std::collections::VecDeque;
 
 /// What has come of a replay.
@@ -73,7 +73,7 @@ pub fn replay(scenario: &Scenario, log: &Log) -> Result<Replay, Unreplayable> {
             found.clear();
         }
         if live {
-            publish_found(&mut controller, &mut found, cycle);
+            act_from_outside(&mut controller, &mut found, cycle);
         }
         if let Some(task) = &cycle.task {
             controller.request(task);
@@ -100,15 +100,18 @@ pub fn replay(scenario: &Scenario, log: &Log) -> Result<Replay, Unreplayable> {
     }
 }
 
-/// In real time margins are published when a thread has found them: when that was is read off the recorded statuses, what
-/// they are is not.
-fn publish_found(controller: &mut Controller, found: &mut VecDeque<Assessment>, cycle: &Cycle<'_>) {
+/// In real time margins are published when a thread has found them, and a clock is found to have jumped by its stamps: when that
+/// was is read off the recorded statuses, what the margins are is not.
+fn act_from_outside(controller: &mut Controller, found: &mut VecDeque<Assessment>, cycle: &Cycle<'_>) {
     let Some(recorded) = cycle
         .status
         .and_then(|entry| ControllerStatus::decode(&entry.bytes).ok())
     else {
         return;
     };
+    if recorded.fault == Fault::ClockJump {
+        controller.latch(recorded.fault);
+    }
     while let Some(next) = found.front() {
         if next.gain_margin.to_bits() != recorded.gain_margin.to_bits()
             || next.phase_margin_rad.to_bits() != recorded.phase_margin_rad.to_bits()

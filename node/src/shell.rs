@@ -281,7 +281,7 @@ impl Shell {
 }
 
 /// Get SIGTERM when the process `parent`, which started this one, ends.
-fn follow(parent: i32) -> anyhow::Result<()> {
+pub fn follow(parent: i32) -> anyhow::Result<()> {
     let term = rustix::process::Signal::TERM;
     rustix::process::set_parent_process_death_signal(Some(term))
         .context("can't follow the parent process")?;

@@ -2,16 +2,12 @@
 
 use super::text::{NO_FORCE, gaps};
 use super::{Analysis, Health, source};
-use crate::report::parts::{STYLE, drawing, wide};
+use crate::report::parts::{drawing, page, wide};
 use crate::table::{FIGURES, MORE, fixed};
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 use node::scenario::Scenario;
 use spatial::ports::ImpactAssessment;
 use std::path::Path;
-
-/// What only this page has.
-const OWN: &str = "pre.keys { columns: 2; font-size: .78rem; line-height: 1.35; white-space: pre-wrap; } \
-                   @media print { pre.keys { font-size: 6.5pt; } }";
 
 /// Where an analysis comes from.
 #[derive(Clone, Debug)]
@@ -30,33 +26,22 @@ impl Analysis {
         let law = crate::tuning::law_word(scenario.controller.law);
         let name = Path::new(headline.scenario).file_stem().unwrap_or_default();
         let title = format!("Run of {}, law {law}", name.to_string_lossy());
-        let page = html! {
-            (DOCTYPE)
-            html lang="en" {
-                head {
-                    meta charset="utf-8";
-                    meta name="viewport" content="width=device-width, initial-scale=1";
-                    title { (title) }
-                    style { (PreEscaped(STYLE)) (PreEscaped(OWN)) }
-                }
-                body {
-                    (self.header(scenario, headline, &title))
-                    main {
-                        (self.drawings(scenario))
-                        h2 { "Impact" }
-                        (self.impact_table())
-                        h2 { "Timing" }
-                        (self.timing_table())
-                        h2 { "Channels" }
-                        (self.channel_table())
-                        h2 { "Configuration" }
-                        (configuration(scenario))
-                        footer { "Touchdown " (env!("CARGO_PKG_VERSION")) }
-                    }
-                }
+        let body = html! {
+            (self.header(scenario, headline, &title))
+            main {
+                (self.drawings(scenario))
+                h2 { "Impact" }
+                (self.impact_table())
+                h2 { "Timing" }
+                (self.timing_table())
+                h2 { "Channels" }
+                (self.channel_table())
+                h2 { "Configuration" }
+                (configuration(scenario))
+                footer { "Touchdown " (env!("CARGO_PKG_VERSION")) }
             }
         };
-        page.into_string()
+        page(&title, &body)
     }
 
     fn header(&self, scenario: &Scenario, headline: &Headline<'_>, title: &str) -> Markup {

@@ -1,9 +1,8 @@
 //! `touchdown bench bare`: a process that `bench network` starts, of which nobody else has use.
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::ValueEnum;
 use experiment::wire_speed::bare::Bare;
-use rustix::process::{Pid, Signal, getppid, set_parent_process_death_signal};
 use spatial::ports::Role;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -30,11 +29,7 @@ enum Program {
 }
 
 pub(crate) fn run(args: &Args) -> Result<ExitCode> {
-    set_parent_process_death_signal(Some(Signal::TERM)).context("can't follow the parent process")?;
-    // It may have ended before the line above.
-    if getppid().map(Pid::as_raw_pid) != Some(args.with_parent) {
-        return Ok(ExitCode::SUCCESS);
-    }
+    node::shell::follow(args.with_parent)?;
     let role = match args.role {
         Program::RobotSim => Role::Robot,
         Program::SensorSim => Role::Sensor,

@@ -3,8 +3,10 @@
 use super::*;
 use crate::scenarios::Source;
 use crate::transcript;
+use lcmtypes::Encoded;
+use node::record::HEARD;
 use spatial::TICK_US;
-use spatial::ports::{RobotState, Stamp, Task, TaskAction};
+use spatial::ports::{Deflections, RobotState, Stamp, Task, TaskAction};
 use std::path::Path;
 
 fn scenario(name: &str, overrides: &[&str]) -> Scenario {
@@ -125,4 +127,44 @@ fn what_can_not_be_repeated_is_said() {
         entry.bytes = state.encode().unwrap().as_bytes().to_vec();
     }
     assert!(refusal(replay(&scenario, &log(live))).contains("without HEARD_* channels"));
+}
+
+/// As the controller records it in real time: a fault that its shell has found is no message.
+#[test]
+fn a_clock_that_has_jumped_comes_out_the_same() {
+    let scenario = scenario("paper", &["timing.duration_s=0.9"]);
+    let run = transcript::in_process(&scenario).unwrap();
+    let (mut controller, mut entries) = (Controller::new(&scenario), Vec::new());
+    let mut faults = Vec::new();
+    for state in transcript::messages::<RobotState>(&run) {
+        let tick = state.stamp.step;
+        let deflections = transcript::messages::<Deflections>(&run).find(|it| it.stamp.step == tick);
+        if tick == 600 {
+            controller.latch(Fault::ClockJump);
+        }
+        let Outputs { command, status } = controller.cycle(&Heard {
+            tick,
+            state: Some(&state),
+            deflections: deflections.as_ref(),
+            object: None,
+        });
+        faults.push(status.fault);
+        let mut keep = |before: &str, encoded: Encoded| {
+            entries.push(Entry {
+                utime: tick * TICK_US,
+                channel: format!("{before}{}", encoded.channel()),
+                bytes: encoded.as_bytes().to_vec(),
+            });
+        };
+        keep("", command.encode().unwrap());
+        keep("", status.encode().unwrap());
+        keep(HEARD, state.encode().unwrap());
+        keep(HEARD, deflections.unwrap().encode().unwrap());
+    }
+    assert_eq!((faults[149], faults[150]), (Fault::None, Fault::ClockJump));
+    let replay = replay(&scenario, &log(entries)).unwrap();
+    assert_eq!(
+        (replay.difference, replay.statuses),
+        (None, scenario.timing.ticks() as usize / 4 + 1)
+    );
 }

@@ -2,14 +2,14 @@
 
 use super::origin::quoted;
 use super::parts::{
-    STYLE, drawing, failures, laws_table, origin, panel_legend, panels, prose, ranking_legend, wide,
+    drawing, failures, laws_table, origin, page, panel_legend, panels, prose, ranking_legend, wide,
 };
 use super::{Loss, Options, Report, Section, losses, ranking};
 use crate::figure::FigureError;
 use crate::sweep::{Cell, verdicts};
 use crate::table::{FIGURES, Figure, Row, fixed};
 use crate::tuning::Gains;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 
 const SORT: &str = include_str!("sort.js");
 /// What the rankings show, and what they are called.
@@ -20,36 +20,25 @@ impl Report {
     pub fn html(&self) -> Result<String, FigureError> {
         let (shoot_outs, others): (Vec<_>, Vec<_>) =
             self.sections.iter().partition(|section| section.shoot_out);
-        let page = html! {
-            (DOCTYPE)
-            html lang="en" {
-                head {
-                    meta charset="utf-8";
-                    meta name="viewport" content="width=device-width, initial-scale=1";
-                    title { "Touchdown: force control laws side by side" }
-                    style { (PreEscaped(STYLE)) }
+        let body = html! {
+            (self.head(&shoot_outs))
+            main {
+                (how_to_read())
+                @for section in &shoot_outs { (shoot_out(section)?) }
+                @if !others.is_empty() {
+                    h2 id="scenarios" { "Scenarios" }
+                    p { "The law that each scenario is made for (shaded) beside the proposed one and the standard "
+                        "pd law of eq. (1), with the scenario's own gains." }
+                    (panel_legend())
+                    @for section in &others { (scenario(section)) }
                 }
-                body {
-                    (self.head(&shoot_outs))
-                    main {
-                        (how_to_read())
-                        @for section in &shoot_outs { (shoot_out(section)?) }
-                        @if !others.is_empty() {
-                            h2 id="scenarios" { "Scenarios" }
-                            p { "The law that each scenario is made for (shaded) beside the proposed one and the standard "
-                                "pd law of eq. (1), with the scenario's own gains." }
-                            (panel_legend())
-                            @for section in &others { (scenario(section)) }
-                        }
-                        (self.maps())
-                        (self.losses())
-                        (self.again())
-                    }
-                    script { (PreEscaped(SORT)) }
-                }
+                (self.maps())
+                (self.losses())
+                (self.again())
             }
+            script { (PreEscaped(SORT)) }
         };
-        Ok(page.into_string())
+        Ok(page("Touchdown: force control laws side by side", &body))
     }
 
     fn head(&self, shoot_outs: &[&Section]) -> Markup {

@@ -4,10 +4,27 @@ use super::{Origin, Panel};
 use crate::compare::Failure;
 use crate::table::{FIGURES, Figure, MORE, Row, fixed};
 use crate::tuning::Gains;
-use maud::{Markup, PreEscaped, html};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 /// How every page looks, on paper, too.
-pub(crate) const STYLE: &str = include_str!("style.css");
+const STYLE: &str = include_str!("style.css");
+
+/// A page that needs nothing beside itself.
+pub(crate) fn page(title: &str, body: &Markup) -> String {
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body { (body) }
+        }
+    };
+    page.into_string()
+}
 
 /// A figure inside the page; `label` is for those who can't see it.
 pub(crate) fn drawing(svg: &str, label: &str) -> Markup {
