@@ -1,7 +1,9 @@
 //! The shell of a process: flags, configuration, logging, signals, links and records.
 
+mod process;
 mod realtime;
 
+pub use process::{follow, log_to_stderr, run, signals, told};
 pub use realtime::{RealTime, RealTimeFlags, draw_boot_id};
 
 use crate::flight::FlightRecorder;
@@ -11,15 +13,9 @@ use crate::problem::Problem;
 use crate::record::{Direction, Recorder, WhenFull};
 use crate::scenario::{Scenario, TimingMode};
 use anyhow::Context;
-use crossbeam::channel::{Receiver, bounded};
 use lcmtypes::{Counters, Encoded, Inboxes, Lcm, LcmBuilder, Message, Woken};
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-use signal_hook::iterator::Signals;
 use spatial::ports::{NodeStatus, Role};
-use std::io::IsTerminal;
-use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::Duration;
 
 /// The flags of every node.
@@ -83,7 +79,7 @@ impl Flags {
         if let Some(parent) = self.with_parent {
             follow(parent)?;
         }
-        let inboxes = Inboxes::new(stop_stream()?);
+        let inboxes = Inboxes::new(process::stop_stream()?);
         let scenario = Scenario::load(&self.scenario, &self.set)?;
         let loss = scenario.network.loss_ratio;
         anyhow::ensure!(
@@ -278,67 +274,4 @@ impl Shell {
             Err(error) => tracing::debug!("{error}"),
         }
     }
-}
-
-/// Get SIGTERM when the process `parent`, which started this one, ends.
-pub fn follow(parent: i32) -> anyhow::Result<()> {
-    let term = rustix::process::Signal::TERM;
-    rustix::process::set_parent_process_death_signal(Some(term))
-        .context("can't follow the parent process")?;
-    // It may have ended before the line above.
-    let now = rustix::process::getppid().map_or(0, rustix::process::Pid::as_raw_pid);
-    anyhow::ensure!(
-        now == parent,
-        "process {parent}, which started this one, has ended"
-    );
-    Ok(())
-}
-
-/// Run a program's body and turn an error into a message and exit code 1.
-pub fn run(body: impl FnOnce() -> anyhow::Result<()>) -> ExitCode {
-    match body() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            // Chains are told outermost first; a scenario's list of problems stands line by line.
-            eprintln!("error: {error:#}");
-            ExitCode::FAILURE
-        }
-    }
-}
-
-/// Log to stderr; `RUST_LOG` chooses what (default: info).
-pub fn log_to_stderr() {
-    let filter = tracing_subscriber::EnvFilter::try_from_default_env()
-        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("info"));
-    // A second call, in a test, keeps the first subscriber.
-    let _ = tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_writer(std::io::stderr)
-        .with_ansi(std::io::stderr().is_terminal())
-        .with_target(false)
-        .without_time()
-        .try_init();
-}
-
-/// A stream that has something to read once a signal has asked the process to end.
-fn stop_stream() -> anyhow::Result<UnixStream> {
-    let failed = "can't handle signals";
-    let (stop, sender) = UnixStream::pair().context(failed)?;
-    for signal in [SIGTERM, SIGINT, SIGHUP] {
-        let sender = sender.try_clone().context(failed)?;
-        signal_hook::low_level::pipe::register(signal, sender).context(failed)?;
-    }
-    Ok(stop)
-}
-
-/// A receiver that gets one message for each signal that asks the process to end.
-pub fn signals() -> anyhow::Result<Receiver<()>> {
-    let mut signals = Signals::new([SIGTERM, SIGINT, SIGHUP]).context("can't handle signals")?;
-    let (sender, receiver) = bounded(4);
-    std::thread::spawn(move || {
-        for _ in signals.forever() {
-            let _ = sender.try_send(());
-        }
-    });
-    Ok(receiver)
 }

@@ -139,8 +139,8 @@ pub(super) fn warn(log: &Log, scenario: &Scenario, analysis: &Analysis) {
 }
 
 pub(crate) fn run(args: &Args) -> Result<ExitCode> {
-    let of = args.log.scenario()?;
     let log = args.log.open()?;
+    let of = args.log.scenario()?;
     let analysis = Analysis::new(&of.1, &log);
     warn(&log, &of.1, &analysis);
     if args.json {

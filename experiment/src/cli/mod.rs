@@ -202,7 +202,7 @@ pub(crate) fn main() -> ExitCode {
             complain("interrupted; all nodes are stopped");
             return ExitCode::from(INTERRUPTED);
         }
-        complain(told(&error));
+        complain(node::shell::told(&error));
         let configuration = |cause: &(dyn std::error::Error + 'static)| {
             cause.is::<ScenarioError>()
                 || cause.is::<SourceError>()
@@ -221,17 +221,6 @@ pub(crate) fn main() -> ExitCode {
         let wrong_usage = error.chain().any(configuration);
         ExitCode::from(if wrong_usage { WRONG_USAGE } else { FAILED })
     })
-}
-
-/// The error and its causes, outermost first; a cause that has been told already is not told again.
-fn told(error: &anyhow::Error) -> String {
-    let mut text = error.to_string();
-    for cause in error.chain().skip(1).map(ToString::to_string) {
-        if !text.contains(&cause) {
-            text += &format!(": {cause}");
-        }
-    }
-    text
 }
 
 /// Arguments that make no sense together.
@@ -273,19 +262,4 @@ fn print(data: impl Display) -> Result<()> {
 /// One JSON object on stdout.
 fn print_json(object: &impl Serialize) -> Result<()> {
     print(format_args!("{}\n", serde_json::to_string_pretty(object)?))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_cause_is_told_once() {
-        let cause = || anyhow::anyhow!("no such device (os error 19)");
-        let named =
-            cause().context("can't join the group: no such device (os error 19); see `touchdown doctor`");
-        assert_eq!(told(&named), named.to_string());
-        let bare = cause().context("can't join the group");
-        assert_eq!(told(&bare), "can't join the group: no such device (os error 19)");
-    }
 }

@@ -36,8 +36,8 @@ struct Report<'a> {
 }
 
 pub(crate) fn run(args: &Args) -> Result<ExitCode> {
-    let of = args.log.scenario()?;
     let log = args.log.open()?;
+    let of = args.log.scenario()?;
     let found = replay(&of.1, &log)?;
     let (commands, statuses) = (found.commands, found.statuses);
     if args.json {

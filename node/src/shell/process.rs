@@ -1,0 +1,97 @@
+//! What any process does: its logging, its signals, its parent, its last word.
+
+use anyhow::Context;
+use crossbeam::channel::{Receiver, bounded};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::iterator::Signals;
+use std::io::IsTerminal;
+use std::os::unix::net::UnixStream;
+use std::process::ExitCode;
+
+/// Get SIGTERM when the process `parent`, which started this one, ends.
+pub fn follow(parent: i32) -> anyhow::Result<()> {
+    let term = rustix::process::Signal::TERM;
+    rustix::process::set_parent_process_death_signal(Some(term))
+        .context("can't follow the parent process")?;
+    // It may have ended before the line above.
+    let now = rustix::process::getppid().map_or(0, rustix::process::Pid::as_raw_pid);
+    anyhow::ensure!(
+        now == parent,
+        "process {parent}, which started this one, has ended"
+    );
+    Ok(())
+}
+
+/// Run a program's body and turn an error into a message and exit code 1.
+pub fn run(body: impl FnOnce() -> anyhow::Result<()>) -> ExitCode {
+    match body() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {}", told(&error));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The error and its causes, outermost first; a cause that has been told already is not told again.
+pub fn told(error: &anyhow::Error) -> String {
+    let mut text = error.to_string();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !text.contains(&cause) {
+            text += &format!(": {cause}");
+        }
+    }
+    text
+}
+
+/// Log to stderr; `RUST_LOG` chooses what (default: info).
+pub fn log_to_stderr() {
+    let filter = tracing_subscriber::EnvFilter::try_from_default_env()
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("info"));
+    // A second call, in a test, keeps the first subscriber.
+    let _ = tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .with_ansi(std::io::stderr().is_terminal())
+        .with_target(false)
+        .without_time()
+        .try_init();
+}
+
+/// A stream that has something to read once a signal has asked the process to end.
+pub(super) fn stop_stream() -> anyhow::Result<UnixStream> {
+    let failed = "can't handle signals";
+    let (stop, sender) = UnixStream::pair().context(failed)?;
+    for signal in [SIGTERM, SIGINT, SIGHUP] {
+        let sender = sender.try_clone().context(failed)?;
+        signal_hook::low_level::pipe::register(signal, sender).context(failed)?;
+    }
+    Ok(stop)
+}
+
+/// A receiver that gets one message for each signal that asks the process to end.
+pub fn signals() -> anyhow::Result<Receiver<()>> {
+    let mut signals = Signals::new([SIGTERM, SIGINT, SIGHUP]).context("can't handle signals")?;
+    let (sender, receiver) = bounded(4);
+    std::thread::spawn(move || {
+        for _ in signals.forever() {
+            let _ = sender.try_send(());
+        }
+    });
+    Ok(receiver)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cause_is_told_once() {
+        let cause = || anyhow::anyhow!("no such device (os error 19)");
+        let named =
+            cause().context("can't join the group: no such device (os error 19); see `touchdown doctor`");
+        assert_eq!(told(&named), named.to_string());
+        let bare = cause().context("can't join the group");
+        assert_eq!(told(&bare), "can't join the group: no such device (os error 19)");
+    }
+}
