@@ -4,7 +4,7 @@ pub mod sidecar;
 
 use crate::transcript::Entry;
 use lcmtypes::schema::Type;
-use lcmtypes::{CHANNELS, DecodeError, EventLogReader, LogError, Message};
+use lcmtypes::{CHANNELS, DecodeError, EventLogReader, LogError, Message, Suffix};
 use node::record::HEARD;
 use serde::Serialize;
 use spatial::ports::{NodeStatus, Stamp, Task};
@@ -94,6 +94,12 @@ pub fn said_on(channel: &str) -> &str {
     channel.strip_prefix(HEARD).unwrap_or(channel)
 }
 
+/// What ends `channel`, if it is one of this contract's with a suffix.
+pub fn suffix(channel: &str) -> Option<Suffix> {
+    let of = |name: &&str| channel.strip_prefix(*name)?.parse().ok();
+    CHANNELS.iter().find_map(of)
+}
+
 /// The head of any message of this contract; `None`: it is shorter than one.
 pub fn stamp(bytes: &[u8]) -> Option<Stamp> {
     let number = |start: usize| -> Option<i64> {
@@ -121,13 +127,19 @@ impl Log {
 
     /// Read all that can be read of the log at `path`.
     pub fn open(path: &Path) -> Result<Self, NoLog> {
+        Self::of_cell(path, &Suffix::default())
+    }
+
+    /// The same of the cell whose channels end in `suffix` there: logs of the network hold all cells, those of
+    /// `touchdown run --record` and of the nodes have plain names.
+    pub fn of_cell(path: &Path, suffix: &Suffix) -> Result<Self, NoLog> {
         let mut log = Self::of(path, Vec::new());
         let mut events = 0;
         for event in EventLogReader::open(path)? {
             match event {
                 Ok(event) => {
                     events += 1;
-                    log.take(Entry::from(event));
+                    log.take(Entry::from(event), suffix);
                 }
                 Err(damage) => log.damage = Some(damage),
             }
@@ -147,7 +159,13 @@ impl Log {
         }
     }
 
-    fn take(&mut self, entry: Entry) {
+    fn take(&mut self, mut entry: Entry, suffix: &Suffix) {
+        if let Some(plain) = suffix.strip(&entry.channel) {
+            entry.channel.truncate(plain.len());
+        } else {
+            *self.foreign.entry(entry.channel).or_default() += 1;
+            return;
+        }
         let channel = said_on(&entry.channel);
         if !CHANNELS.contains(&channel) {
             *self.foreign.entry(entry.channel).or_default() += 1;
@@ -179,6 +197,10 @@ impl Log {
         if !self.foreign.is_empty() {
             let names: Vec<_> = self.foreign.keys().take(5).map(String::as_str).collect();
             found.push(format!("it has channels of others: {}", names.join(", ")));
+            let suffixes: BTreeSet<_> = self.foreign.keys().filter_map(|name| suffix(name)).collect();
+            for it in suffixes {
+                found.push(format!("those that end in {it} are read with --suffix {it}"));
+            }
         }
         NoLog::Foreign {
             path: self.path,

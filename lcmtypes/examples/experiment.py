@@ -29,10 +29,11 @@ RECENT = 50
 class Experiment:
     """A controller that is listened to, and asked."""
 
-    def __init__(self, url, types):
+    def __init__(self, url, suffix, types):
         self.types = types
         self.link = lcm.LCM(url)
-        subscription = self.link.subscribe("CONTROLLER_STATUS", self._hear)
+        self.suffix = suffix
+        subscription = self.link.subscribe("CONTROLLER_STATUS" + suffix, self._hear)
         subscription.set_queue_capacity(64)
         self.status = None
         self.watchers = []
@@ -79,7 +80,7 @@ class Experiment:
             setattr(task, "task_" + name, float(value))
         give_up = time.monotonic() + ANSWER_S
         while time.monotonic() < give_up:
-            self.link.publish("TASK", task.encode())
+            self.link.publish("TASK" + self.suffix, task.encode())
             self.listen(REPEAT_MS)
             if self.status and self.status.controller_task_step == task.step:
                 return self.status.controller_task_answer
@@ -113,7 +114,8 @@ def normal_force_n(status):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--url", default="udpm://239.255.76.67:7667?ttl=0")
+    parser.add_argument("--url", default="udpm://239.255.76.67:7667?ttl=0", help="the cell's, without its suffix")
+    parser.add_argument("--suffix", default="", help="what ends the names of the cell's channels, such as _B")
     parser.add_argument("--types", default=".", help="where lcm-gen -p has put the package touchdown")
     parser.add_argument("--force-n", default="8,12", help="forces to press with, N")
     parser.add_argument("--hold-s", type=float, default=0.5, help="how long each is averaged, s")
@@ -122,7 +124,7 @@ def main():
     import touchdown
 
     status = touchdown.controller_status_t
-    experiment = Experiment(arguments.url, touchdown)
+    experiment = Experiment(arguments.url, arguments.suffix, touchdown)
     forces = [float(text) for text in arguments.force_n.split(",")]
     idle = (status.PHASE_INIT, status.PHASE_SYNC)
     in_contact = (status.PHASE_CONTACT, status.PHASE_SETTLED)

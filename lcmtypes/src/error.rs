@@ -183,7 +183,7 @@ pub enum LcmError {
         source: io::Error,
     },
     /// A channel name that LCM does not carry.
-    #[error("channel name \"{0}\" is not 1 to 63 bytes without zeros")]
+    #[error("channel name \"{0}\" is not 1 to 63 bytes without zeros, its suffix included")]
     ChannelName(String),
 }
 

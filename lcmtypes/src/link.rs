@@ -6,9 +6,10 @@ use crate::liblcm::{self, Handle};
 use crate::message::{Encoded, Message};
 use crate::multicast::{self, LONGEST_NAME};
 use crate::router::{RawMessage, Router, Subscription};
+use crate::suffix::Suffix;
 use crate::tally::{Counters, Tally};
 use crate::url::Url;
-use std::ffi::CString;
+use std::ffi::{CStr, CString};
 use std::os::fd::AsRawFd;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -24,20 +25,21 @@ pub struct LcmBuilder {
 
 impl LcmBuilder {
     /// Opens an LCM URL: `udpm://239.255.76.67:7667?ttl=0` (a multicast group; ttl=0 stays on this machine) or
-    /// `memq://` (this link alone, for tests). Says within half a second if the group can't be used.
+    /// `memq://` (this link alone, for tests). With `suffix=_B` all names of channels end in `_B` on the wire, and other
+    /// messages are nobody's here. Says within half a second if the group can't be used.
     pub fn open(url: &str) -> Result<Self, LcmError> {
         let parsed = Url::parse(url)?;
         // liblcm's own test would block for 10 s and then leave a handle that aborts.
-        if let Url::Multicast(group) = &parsed {
+        if let Url::Multicast(group, _) = &parsed {
             multicast::probe(group)?;
         }
         let create = || LcmError::Create { url: url.to_owned() };
         let spelled_out = CString::new(parsed.for_liblcm()).map_err(|_| create())?;
         let handle = Handle::open(&spelled_out).ok_or_else(create)?;
         Ok(Self {
+            router: Router::new(parsed.suffix()),
             url: parsed,
             handle: Arc::new(handle),
-            router: Router::default(),
         })
     }
 
@@ -65,6 +67,7 @@ impl LcmBuilder {
         };
         let lcm = Lcm {
             handle: self.handle,
+            suffix: self.url.suffix(),
             tallies,
             socket,
             _receiving: None,
@@ -82,6 +85,7 @@ impl LcmBuilder {
         };
         Ok(Lcm {
             handle: self.handle,
+            suffix: self.url.suffix(),
             tallies,
             socket: receiving.as_ref().and_then(|it| it.socket.clone()),
             _receiving: receiving,
@@ -92,6 +96,7 @@ impl LcmBuilder {
 /// A started link. Publishing takes `&self` from any thread; dropping it ends all subscriptions.
 pub struct Lcm {
     handle: Arc<Handle>,
+    suffix: Suffix,
     tallies: Vec<Arc<Tally>>,
     socket: Option<Arc<multicast::Receiver>>,
     _receiving: Option<Receiving>,
@@ -109,27 +114,28 @@ impl Lcm {
 
     /// Publishes an encoded message, perhaps again: bit for bit the same.
     pub fn publish_encoded(&self, encoded: &Encoded) -> Result<(), LcmError> {
-        let failed = |source| LcmError::Publish {
-            channel: encoded.channel().to_owned(),
-            source,
-        };
-        self.handle
-            .publish(encoded.channel_name(), encoded.as_bytes())
-            .map_err(failed)
+        self.send(encoded.channel_name(), encoded.as_bytes())
     }
 
     /// Publishes any bytes on any channel, unchecked: for the replay of logs and for tests of robustness.
     pub fn publish_raw(&self, channel: &str, bytes: &[u8]) -> Result<(), LcmError> {
-        let name = || LcmError::ChannelName(channel.to_owned());
-        let c_name = CString::new(channel).map_err(|_| name())?;
-        if !(1..=LONGEST_NAME).contains(&channel.len()) {
-            return Err(name());
-        }
-        let failed = |source| LcmError::Publish {
-            channel: channel.to_owned(),
-            source,
-        };
-        self.handle.publish(&c_name, bytes).map_err(failed)
+        let name = CString::new(channel).map_err(|_| LcmError::ChannelName(channel.to_owned()))?;
+        self.send(&name, bytes)
+    }
+
+    fn send(&self, channel: &CStr, bytes: &[u8]) -> Result<(), LcmError> {
+        let told = || channel.to_string_lossy().into_owned();
+        let mut buffer = [0; LONGEST_NAME + 1];
+        let name = self
+            .suffix
+            .append(channel, &mut buffer)
+            .ok_or_else(|| LcmError::ChannelName(told()))?;
+        self.handle
+            .publish(name, bytes)
+            .map_err(|source| LcmError::Publish {
+                channel: told(),
+                source,
+            })
     }
 
     /// What the link and all its subscriptions have received and dropped.

@@ -2,6 +2,7 @@
 
 use crate::error::Refusal;
 use crate::message::Message;
+use crate::suffix::Suffix;
 use crate::tally::{Counters, Tally};
 use crossbeam::channel::{Receiver, Sender, TrySendError, bounded};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -116,13 +117,22 @@ impl Route for Everything {
 }
 
 /// All subscriptions of a link. One thread delivers.
-#[derive(Default)]
 pub(crate) struct Router {
+    suffix: Suffix,
     routes: Vec<(Box<dyn Route>, Arc<Tally>)>,
     tally: Arc<Tally>,
 }
 
 impl Router {
+    /// For the messages whose channels end in `suffix`.
+    pub(crate) fn new(suffix: Suffix) -> Self {
+        Self {
+            suffix,
+            routes: Vec::new(),
+            tally: Arc::default(),
+        }
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.routes.is_empty()
     }
@@ -167,6 +177,9 @@ impl Router {
 
     /// Delivers a message that has just arrived to whom it concerns. Never panics: C code may be the caller.
     pub(crate) fn dispatch(&self, channel: &[u8], bytes: &[u8]) {
+        let Some(channel) = self.suffix.strip_bytes(channel) else {
+            return;
+        };
         #[expect(
             clippy::disallowed_methods,
             reason = "the receive stamp: liblcm's own is not reliable, and only here is it early enough"
@@ -210,7 +223,7 @@ mod tests {
 
     #[test]
     fn a_panic_does_not_cross_liblcm_and_is_counted() {
-        let mut router = Router::default();
+        let mut router = Router::new(Suffix::default());
         let tally = Arc::<Tally>::default();
         router.routes.push((Box::new(Panics), tally.clone()));
         let tasks = router.subscribe::<Task>(1);

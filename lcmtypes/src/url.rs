@@ -1,13 +1,14 @@
 //! LCM URLs, taken apart before liblcm sees them: its own complaints name the wrong thing.
 
 use crate::error::LcmError;
+use crate::suffix::Suffix;
 use std::net::{Ipv4Addr, SocketAddrV4};
 
 /// What a URL names.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Url {
-    /// `udpm://`: a multicast group.
-    Multicast(Group),
+    /// `udpm://`: a multicast group, and the channels of it that are a cell's.
+    Multicast(Group, Suffix),
     /// `memq://`: this link alone.
     Memory,
 }
@@ -29,7 +30,7 @@ impl Group {
     /// The group that `url` names; `None`: it names none, its messages stay in the process.
     pub fn of(url: &str) -> Result<Option<Self>, LcmError> {
         Ok(match Url::parse(url)? {
-            Url::Multicast(group) => Some(group),
+            Url::Multicast(group, _) => Some(group),
             Url::Memory => None,
         })
     }
@@ -52,15 +53,23 @@ impl Url {
     /// The group whose messages the own socket receives; `None`: liblcm does.
     pub(crate) fn socket(&self) -> Option<&Group> {
         match self {
-            Self::Multicast(group) if !group.through_liblcm => Some(group),
+            Self::Multicast(group, _) if !group.through_liblcm => Some(group),
             _ => None,
+        }
+    }
+
+    /// What ends the names of the channels.
+    pub(crate) fn suffix(&self) -> Suffix {
+        match self {
+            Self::Multicast(_, suffix) => suffix.clone(),
+            Self::Memory => Suffix::default(),
         }
     }
 
     /// The URL for liblcm: everything spelled out.
     pub(crate) fn for_liblcm(&self) -> String {
         match self {
-            Self::Multicast(group) => {
+            Self::Multicast(group, _) => {
                 let Group { address, ttl, .. } = group;
                 format!(
                     "udpm://{address}?ttl={ttl}&recv_buf_size={}",
@@ -76,7 +85,7 @@ fn parse(url: &str) -> Result<Url, String> {
     let (provider, rest) = url.split_once("://").ok_or("it has no ://")?;
     let (network, options) = rest.split_once('?').unwrap_or((rest, ""));
     match provider {
-        "udpm" => group(network, options).map(Url::Multicast),
+        "udpm" => multicast(network, options),
         "memq" if rest.is_empty() => Ok(Url::Memory),
         "memq" => Err(format!("memq takes no \"{rest}\"")),
         "file" => Err("files are read and written as event logs, not as links".to_owned()),
@@ -85,7 +94,7 @@ fn parse(url: &str) -> Result<Url, String> {
     }
 }
 
-fn group(network: &str, options: &str) -> Result<Group, String> {
+fn multicast(network: &str, options: &str) -> Result<Url, String> {
     let (host, port) = network.split_once(':').unwrap_or((network, ""));
     let ip = if host.is_empty() {
         DEFAULT_ADDRESS
@@ -109,6 +118,7 @@ fn group(network: &str, options: &str) -> Result<Group, String> {
         receive_buffer: DEFAULT_RECEIVE_BUFFER,
         through_liblcm: false,
     };
+    let mut suffix = Suffix::default();
     for option in options.split('&').filter(|option| !option.is_empty()) {
         match option.split_once('=').unwrap_or((option, "")) {
             ("ttl", value) => group.ttl = number("ttl", value, 0, u8::MAX)?,
@@ -118,10 +128,15 @@ fn group(network: &str, options: &str) -> Result<Group, String> {
             ("receive", "socket") => group.through_liblcm = false,
             ("receive", "liblcm") => group.through_liblcm = true,
             ("receive", value) => return Err(format!("receive is \"{value}\", not socket or liblcm")),
-            (name, _) => return Err(format!("option \"{name}\" is not ttl, recv_buf_size or receive")),
+            ("suffix", value) => suffix = value.parse()?,
+            (name, _) => {
+                return Err(format!(
+                    "option \"{name}\" is not ttl, recv_buf_size, receive or suffix"
+                ));
+            }
         }
     }
-    Ok(group)
+    Ok(Url::Multicast(group, suffix))
 }
 
 fn number<T>(name: &str, text: &str, minimum: T, maximum: T) -> Result<T, String>
@@ -142,12 +157,18 @@ mod tests {
     fn a_multicast_url_may_leave_out_what_has_a_default() {
         let spelled_out = Url::parse("udpm://239.255.76.67:7667?ttl=0");
         assert_eq!(spelled_out.unwrap(), Url::parse("udpm://").unwrap());
-        let Url::Multicast(group) = Url::parse("udpm://:7001?ttl=1&recv_buf_size=65536").unwrap() else {
+        let Url::Multicast(group, suffix) = Url::parse("udpm://:7001?ttl=1&recv_buf_size=65536").unwrap()
+        else {
             panic!("not multicast");
         };
         assert_eq!(group.address.to_string(), "239.255.76.67:7001");
         assert_eq!((group.ttl, group.receive_buffer), (1, 65536));
         assert!(!group.through_liblcm);
+        assert_eq!(suffix, Suffix::default());
+        let cell = Url::parse("udpm://:7001?ttl=1&recv_buf_size=65536&suffix=_B").unwrap();
+        assert_eq!(cell, Url::Multicast(group, "_B".parse().unwrap()));
+        // liblcm complains about options that it does not know.
+        assert!(!cell.for_liblcm().contains("suffix"));
         let liblcm = Group::of("udpm://:7001?ttl=1&recv_buf_size=65536&receive=liblcm").unwrap();
         assert_eq!(
             liblcm,
@@ -184,7 +205,11 @@ mod tests {
             ),
             (
                 "udpm://239.0.0.1:7667?tll=1",
-                "option \"tll\" is not ttl, recv_buf_size or receive",
+                "option \"tll\" is not ttl, recv_buf_size, receive or suffix",
+            ),
+            (
+                "udpm://239.0.0.1:7667?suffix=_A.*",
+                "suffix is \"_A.*\", not _ and then letters, digits and _",
             ),
             (
                 "udpm://239.0.0.1:7667?receive=python",

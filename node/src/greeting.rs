@@ -25,7 +25,7 @@ impl fmt::Display for Mismatch {
             found,
         } = self;
         let remedy = match *what {
-            "run id" => "another run uses this port; give each run a port of its own",
+            "run id" => "another run uses this port; give each run a port or a suffix of its own",
             "protocol" => "the programs are of different versions; build them from one",
             "tick reached" => "it was restarted or belongs to an earlier run; restart all nodes",
             _ => "start all nodes with the same scenario file and the same --set",

@@ -59,6 +59,27 @@ fn through_liblcm() {
     assert_same_bits(&bench);
 }
 
+/// Two cells on the same ports, told apart by the names of their channels.
+#[test]
+fn beside_another_cell_on_the_same_ports() {
+    let bench = Bench::new(&[]).unwrap();
+    let mut other = Bench::new(&["timing.seed=2"]).unwrap();
+    other.plan.wiring = bench.plan.wiring.clone();
+    let wiring = &mut other.plan.wiring;
+    for url in wiring
+        .device
+        .iter_mut()
+        .chain(&mut wiring.world)
+        .chain([&mut wiring.watch])
+    {
+        url.push_str("&suffix=_B");
+    }
+    std::thread::scope(|scope| {
+        scope.spawn(|| assert_same_bits(&bench));
+        assert_same_bits(&other);
+    });
+}
+
 /// What is learnt in contact goes back into the law.
 #[test]
 fn an_adapted_compliance() {

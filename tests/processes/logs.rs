@@ -69,12 +69,17 @@ fn missing(analysis: &Value) -> BTreeMap<String, i64> {
         .collect()
 }
 
-/// The device channels of a run as lcm-logger hears them: analysed without `SIM_*`, and replayed bit for bit.
+/// The device channels of a run as lcm-logger hears them, in a cell with a suffix: analysed without `SIM_*`, and replayed bit
+/// for bit.
 #[test]
 fn what_lcm_logger_records_of_a_run_is_analysed_and_replayed() {
-    let bench = Bench::new(&[]).unwrap();
+    let mut bench = Bench::new(&[]).unwrap();
     let log = bench.directory.path().join("logger.lcmlog");
-    let url = &bench.plan.wiring.watch;
+    let url = &bench.plan.wiring.watch.clone();
+    let wiring = &mut bench.plan.wiring;
+    for url in wiring.device.iter_mut().chain([&mut wiring.watch]) {
+        url.push_str("&suffix=_B");
+    }
     let mut logger = Lcm::start(
         Command::new(lcm_program("lcm-logger"))
             .args(["--lcm-url", url, "--flush-interval", "10", "--force"])
@@ -99,6 +104,18 @@ fn what_lcm_logger_records_of_a_run_is_analysed_and_replayed() {
     for change in &bench.plan.overrides {
         arguments.extend(["--set", change]);
     }
+    let output = touchdown()
+        .arg("analyse")
+        .arg(&log)
+        .args(&arguments)
+        .output()
+        .unwrap();
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        told.contains("those that end in _B are read with --suffix _B"),
+        "{told}"
+    );
+    arguments.extend(["--suffix", "_B"]);
     let (analysis, code, told) = answer("analyse", &log, &arguments);
     assert_eq!(code, 0, "{told}");
     // LCM's own LCM_SELF_TEST may be another one.

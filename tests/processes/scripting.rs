@@ -20,7 +20,10 @@ fn an_experiment_in_python_presses_with_one_force_after_the_other() {
     python::generate(&lcm_gen(), &repository.join("types"), types).unwrap();
     let file = cell(&bench, "cell.toml", 7);
     let text = fs::read_to_string(&file).unwrap();
-    let waits = text.replace("set = [", "set = [\"task.starts_by_itself=false\", ");
+    // With a suffix, since other cells may be on the port.
+    let waits = text
+        .replace("set = [", "set = [\"task.starts_by_itself=false\", ")
+        .replace("?ttl=0", "?ttl=0&suffix=_B");
     fs::write(&file, waits).unwrap();
     let cell_up = up(&file, &[]);
     cell_up.until(WHOLE);
@@ -30,7 +33,7 @@ fn an_experiment_in_python_presses_with_one_force_after_the_other() {
         let mut command = Command::new(&python);
         command.arg(repository.join("examples/experiment.py"));
         command
-            .args(["--url", url, "--force-n", forces, "--types"])
+            .args(["--url", url, "--suffix", "_B", "--force-n", forces, "--types"])
             .arg(types);
         command.output().unwrap()
     };

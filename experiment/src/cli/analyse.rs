@@ -5,6 +5,7 @@ use anyhow::{Context, Result};
 use experiment::analyse::{Analysis, Headline};
 use experiment::log::{Log, sidecar};
 use experiment::scenarios::Source;
+use lcmtypes::Suffix;
 use node::scenario::Scenario;
 use serde::Serialize;
 use serde_json::Value;
@@ -39,6 +40,9 @@ pub(super) struct LogArgs {
     /// The log
     #[arg(value_name = "LOG")]
     log: PathBuf,
+    /// What ends the names of the cell's channels in a log of the network
+    #[arg(long, default_value_t, value_name = "SUFFIX")]
+    suffix: Suffix,
     /// The scenario that it was recorded with [default: the file beside it, LOG with the ending .toml]
     #[arg(long, value_name = "SCENARIO")]
     scenario: Option<String>,
@@ -69,7 +73,7 @@ struct Report<'a> {
 impl LogArgs {
     /// What can be read of it.
     pub(super) fn open(&self) -> Result<Log> {
-        Ok(Log::open(&self.log)?)
+        Ok(Log::of_cell(&self.log, &self.suffix)?)
     }
 
     /// Its scenario.

@@ -5,6 +5,7 @@ use super::{WrongUsage, print};
 use anyhow::Result;
 use experiment::export::{write_csv, write_mcap};
 use experiment::log::Log;
+use lcmtypes::Suffix;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -21,6 +22,9 @@ pub(crate) struct Args {
     /// The log
     #[arg(value_name = "LOG")]
     log: PathBuf,
+    /// What ends the names of the cell's channels in a log of the network
+    #[arg(long, default_value_t, value_name = "SUFFIX")]
+    suffix: Suffix,
     /// Write one MCAP file, with a JSON schema for each channel
     #[arg(long, value_name = "FILE")]
     mcap: Option<PathBuf>,
@@ -33,7 +37,7 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     if args.mcap.is_none() && args.csv.is_none() {
         return Err(WrongUsage("nothing to write; name --mcap FILE, --csv DIR or both".to_owned()).into());
     }
-    let log = Log::open(&args.log)?;
+    let log = Log::of_cell(&args.log, &args.suffix)?;
     if let Some(file) = &args.mcap {
         write_mcap(&log, file)?;
         print(format_args!("{}\n", file.display()))?;

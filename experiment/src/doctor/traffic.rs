@@ -1,8 +1,8 @@
 //! Who else speaks on a port.
 
 use super::{Finding, Verdict};
+use crate::log;
 use crate::run_port::{Heard, member};
-use lcmtypes::CHANNELS;
 use node::clock;
 use std::collections::BTreeMap;
 use std::io;
@@ -42,8 +42,8 @@ fn listen(ear: &UdpSocket, patience: Duration) -> io::Result<Strangers> {
             return Ok(strangers);
         };
         let channel = heard.channel.unwrap_or_else(|| "no short LCM message".to_owned());
-        let own = ["LCM_SELF_TEST", super::peer::CHANNEL].contains(&channel.as_str());
-        if own || CHANNELS.contains(&channel.as_str()) {
+        let own = channel == "LCM_SELF_TEST" || channel.starts_with(super::peer::CHANNEL);
+        if own || log::suffix(&channel).is_some() {
             continue;
         }
         let key = (heard.sender.ip(), channel);
@@ -114,11 +114,16 @@ mod tests {
         let port = ear.local_addr().unwrap().port();
         let mouth = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0)).unwrap();
         mouth.set_multicast_ttl_v4(0).unwrap();
-        for datagram in [&b"LC02\0\0\0\0TASK\0x"[..], b"LC02\0\0\0\0OTHER\0x", b"noise"] {
+        for datagram in [
+            &b"LC02\0\0\0\0TASK\0x"[..],
+            b"LC02\0\0\0\0TASK_B\0x",
+            b"LC02\0\0\0\0TASKS\0x",
+            b"noise",
+        ] {
             mouth.send_to(datagram, (crate::run_port::GROUP, port)).unwrap();
         }
         let strangers = listen(&ear, Duration::from_millis(300)).unwrap();
         let channels: Vec<_> = strangers.keys().map(|(_, channel)| channel.as_str()).collect();
-        assert_eq!(channels, ["OTHER", "no short LCM message"]);
+        assert_eq!(channels, ["TASKS", "no short LCM message"]);
     }
 }

@@ -91,7 +91,7 @@ impl Watch {
             let (found, own) = (status.hello.run_id, self.run_id);
             return self.stranger(boot_id, || {
                 event(format!(
-                    "belongs to run {found}, not to {own}, and is not listened to; give each cell a port of its own (url)"
+                    "belongs to run {found}, not to {own}, and is not listened to; give each cell a port or a suffix of its own (url)"
                 ))
             });
         }

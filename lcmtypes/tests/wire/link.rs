@@ -108,6 +108,42 @@ fn a_channel_is_matched_by_its_whole_name() {
     }
 }
 
+/// Cells that share group and port: each hears its own messages alone, under their plain names.
+#[test]
+fn cells_with_suffixes_do_not_hear_each_other() {
+    for url in urls().into_iter().skip(1) {
+        let cells = ["", "&suffix=_B", "&suffix=_B_2"].map(|suffix| {
+            let mut builder = expect(LcmBuilder::open(&format!("{url}{suffix}")));
+            let tasks = builder.subscribe::<Task>(8);
+            let all = builder.subscribe_all(8);
+            (tasks, all, expect(builder.start()))
+        });
+        for (step, (.., link)) in (0..).zip(&cells) {
+            expect(link.publish(&task(step)));
+        }
+        // What comes after all others have been heard.
+        for (step, (tasks, all, link)) in (0..).zip(&cells) {
+            expect(link.publish_raw("TASK", task(step + 10).encode().unwrap().as_bytes()));
+            assert_eq!(
+                [next(tasks), next(tasks)].map(|it| it.stamp.step),
+                [step, step + 10]
+            );
+            assert_eq!(tasks.counters().received, 2);
+            if step > 0 {
+                assert_eq!([next(all), next(all)].map(|it| it.channel), ["TASK", "TASK"]);
+            }
+        }
+        // Who has no suffix hears of the others, as of any stranger's.
+        let (_, all, _) = &cells[0];
+        let mut heard: Vec<_> = (0..6).map(|_| next(all).channel).collect();
+        heard.sort();
+        assert_eq!(
+            heard,
+            ["TASK", "TASK", "TASK_B", "TASK_B", "TASK_B_2", "TASK_B_2"]
+        );
+    }
+}
+
 #[test]
 fn an_undecodable_message_is_counted_and_explained() {
     for url in urls() {
