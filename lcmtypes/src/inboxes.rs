@@ -11,15 +11,15 @@ use std::io;
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// A node has two: device channels and simulated world.
 const MOST_LINKS: usize = 2;
 
 /// What a link receives from, and to whom that goes.
 pub(crate) enum Inbox {
-    /// The own multicast socket.
-    Socket(Arc<multicast::Receiver>, Router),
+    /// The own multicast socket, and since when it has been empty.
+    Socket(Arc<multicast::Receiver>, Router, Instant),
     /// liblcm.
     Liblcm(liblcm::Inbox),
 }
@@ -28,7 +28,7 @@ impl Inbox {
     /// Readable when something has come.
     fn descriptor(&self) -> BorrowedFd<'_> {
         match self {
-            Self::Socket(socket, _) => socket.socket().as_fd(),
+            Self::Socket(socket, ..) => socket.socket().as_fd(),
             Self::Liblcm(inbox) => inbox.descriptor(),
         }
     }
@@ -36,7 +36,7 @@ impl Inbox {
     /// Delivers what has come.
     fn deliver(&mut self, buffer: &mut [u8]) {
         match self {
-            Self::Socket(socket, router) => socket.drain(router, buffer),
+            Self::Socket(socket, router, empty) => *empty = socket.drain(router, buffer, *empty),
             Self::Liblcm(inbox) => {
                 // liblcm does not tell a timeout from a message: its descriptor does.
                 for _ in 0..MOST_AT_ONCE {

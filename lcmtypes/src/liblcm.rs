@@ -2,7 +2,7 @@
 #![allow(unsafe_code, reason = "calls liblcm")]
 
 use crate::raw;
-use crate::router::Router;
+use crate::router::{Router, now};
 use std::ffi::{CStr, c_char, c_int, c_uint, c_void};
 use std::io;
 use std::os::fd::BorrowedFd;
@@ -136,5 +136,5 @@ unsafe extern "C" fn on_message(
         // SAFETY: not null, and liblcm holds `length` bytes there for the time of the call.
         unsafe { slice::from_raw_parts(buffer.data.cast::<u8>().cast_const(), length) }
     };
-    router.dispatch(channel.to_bytes(), bytes);
+    router.dispatch(channel.to_bytes(), bytes, now());
 }

@@ -5,7 +5,7 @@ use crate::inboxes::Inbox;
 use crate::liblcm::{self, Handle};
 use crate::message::{Encoded, Message};
 use crate::multicast::{self, LONGEST_NAME};
-use crate::router::{RawMessage, Router, Subscription};
+use crate::router::{RawMessage, Router, Subscription, now};
 use crate::suffix::Suffix;
 use crate::tally::{Counters, Tally};
 use crate::url::Url;
@@ -60,7 +60,7 @@ impl LcmBuilder {
         let (inbox, socket) = match self.url.socket() {
             Some(group) => {
                 let socket = Arc::new(multicast::Receiver::join(group)?);
-                let inbox = Inbox::Socket(socket.clone(), self.router);
+                let inbox = Inbox::Socket(socket.clone(), self.router, now());
                 (inbox, Some(socket))
             }
             None => (Inbox::Liblcm(inbox(&self.url, &self.handle, self.router)?), None),

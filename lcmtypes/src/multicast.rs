@@ -7,13 +7,13 @@
 
 use crate::error::LcmError;
 use crate::kernel;
-use crate::router::{Router, SELF_TEST};
+use crate::router::{Router, SELF_TEST, now};
 use crate::url::Group;
 use socket2::{Domain, Protocol, SockRef, Socket, Type};
 use std::io::{self, ErrorKind};
 use std::net::{Ipv4Addr, UdpSocket};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// First four bytes of a message of a single packet, "LC02".
 const SHORT: [u8; 4] = *b"LC02";
@@ -60,9 +60,9 @@ impl Receiver {
         socket
             .set_read_timeout(Some(WAIT))
             .map_err(failed("set a time limit"))?;
-        Ok(Self {
-            socket: socket.into(),
-        })
+        let socket = socket.into();
+        kernel::stamp_arrivals(&socket);
+        Ok(Self { socket })
     }
 
     /// Delivers packets until `stop` is set.
@@ -72,7 +72,7 @@ impl Receiver {
             match self.socket.recv(&mut buffer) {
                 // An interrupt looks like an empty packet.
                 Ok(0) if stop.load(Ordering::Acquire) => {}
-                Ok(length) => deliver(router, &buffer[..length]),
+                Ok(length) => deliver(router, &buffer[..length], now()),
                 Err(error) if is_timeout(&error) => {}
                 // Nothing to be done about it here; don't burn the processor.
                 Err(_) => std::thread::park_timeout(WAIT),
@@ -80,16 +80,23 @@ impl Receiver {
         }
     }
 
-    /// Delivers what has come, and does not wait; of a flood the first [`MOST_AT_ONCE`] packets.
-    pub(crate) fn drain(&self, router: &Router, buffer: &mut [u8]) {
+    /// Delivers what has come since it was `empty`, and does not wait; of a flood the first [`MOST_AT_ONCE`] packets. Returns
+    /// since when it is empty now.
+    pub(crate) fn drain(&self, router: &Router, buffer: &mut [u8], empty: Instant) -> Instant {
+        let mut looked = now();
         for _ in 0..MOST_AT_ONCE {
-            let flags = rustix::net::RecvFlags::DONTWAIT;
-            match rustix::net::recv(&self.socket, &mut *buffer, flags) {
-                Ok((length, _)) => deliver(router, &buffer[..length]),
+            let Ok((length, age)) = kernel::take(&self.socket, buffer) else {
                 // Nothing more, or an error that the next call does not find any more.
-                Err(_) => break,
-            }
+                return looked;
+            };
+            looked = now();
+            // An age that reaches back to before it was empty is that of a clock that was set.
+            let arrived = age
+                .and_then(|age| looked.checked_sub(age))
+                .filter(|at| *at >= empty);
+            deliver(router, &buffer[..length], arrived.unwrap_or(looked));
         }
+        empty
     }
 
     pub(crate) fn socket(&self) -> &UdpSocket {
@@ -153,9 +160,9 @@ impl Receiver {
     }
 }
 
-fn deliver(router: &Router, packet: &[u8]) {
+fn deliver(router: &Router, packet: &[u8], received_at: Instant) {
     match parse(packet) {
-        Some((channel, bytes)) => router.dispatch(channel, bytes),
+        Some((channel, bytes)) => router.dispatch(channel, bytes, received_at),
         None => router.malformed(packet.len()),
     }
 }

@@ -17,7 +17,8 @@ pub(crate) const SELF_TEST: &str = "LCM_SELF_TEST";
 pub struct Received<M> {
     /// The message, checked.
     pub message: M,
-    /// When the receiving thread got it, on this machine's monotonic clock.
+    /// When it arrived, on this machine's monotonic clock: where the thread that controls receives by itself, as the kernel
+    /// tells, however late the thread looked; else when the receiving thread got it.
     pub received_at: Instant,
 }
 
@@ -176,15 +177,10 @@ impl Router {
     }
 
     /// Delivers a message that has just arrived to whom it concerns. Never panics: C code may be the caller.
-    pub(crate) fn dispatch(&self, channel: &[u8], bytes: &[u8]) {
+    pub(crate) fn dispatch(&self, channel: &[u8], bytes: &[u8], received_at: Instant) {
         let Some(channel) = self.suffix.strip_bytes(channel) else {
             return;
         };
-        #[expect(
-            clippy::disallowed_methods,
-            reason = "the receive stamp: liblcm's own is not reliable, and only here is it early enough"
-        )]
-        let received_at = Instant::now();
         for (route, tally) in &self.routes {
             let deliver = || {
                 if route.wants(channel) {
@@ -201,6 +197,15 @@ impl Router {
     pub(crate) fn malformed(&self, length: usize) {
         self.tally.refuse(Refusal::Malformed { length });
     }
+}
+
+/// The receive stamp of what has just come.
+#[expect(
+    clippy::disallowed_methods,
+    reason = "the receive stamp: liblcm's own is not reliable, and only here is it early enough"
+)]
+pub(crate) fn now() -> Instant {
+    Instant::now()
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use crossbeam::select;
 use lcmtypes::{Inboxes, LcmBuilder, LcmError, Message, RawMessage, Received, Refusal, Subscription, Woken};
 use spatial::ports::*;
 use std::os::unix::net::UnixStream;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 pub(crate) const PATIENCE: Duration = Duration::from_secs(10);
 
@@ -246,4 +246,27 @@ fn a_thread_receives_from_its_links_by_itself() {
         drop(sender);
         assert_eq!(inboxes.wait(None).unwrap(), Woken::Stopped, "{url}");
     }
+}
+
+/// However late the thread looks, the kernel knows when a message came.
+#[test]
+#[expect(clippy::disallowed_methods, reason = "compares receive stamps")]
+fn a_message_that_has_waited_tells_when_it_came() {
+    let (stop, _sender) = UnixStream::pair().unwrap();
+    let mut inboxes = Inboxes::new(stop);
+    let mut builder = expect(LcmBuilder::open(&udpm_url()));
+    let tasks = builder.subscribe::<Task>(8);
+    let link = expect(inboxes.start(builder));
+    let mut waited = |step| {
+        let sent = Instant::now();
+        expect(link.publish(&task(step)));
+        let looked = Instant::now();
+        assert_eq!(inboxes.wait(Some(PATIENCE)).unwrap(), Woken::Messages);
+        let received = tasks.take().unwrap();
+        assert_eq!(received.message.stamp.step, step);
+        assert!(received.received_at >= sent);
+        received.received_at < looked
+    };
+    // Loopback delivers within the call that sends. Not each time: the stamp may be read just before the thread is held up.
+    assert!((0..100).any(&mut waited));
 }
