@@ -110,7 +110,10 @@ impl Node {
         while let Some(next) = self.states.take() {
             self.take_state(&next);
         }
-        if let Some(begun) = self.schedule.begin(clock::now()) {
+        // One that has been refused answers nothing more, also where it does not wait for a state.
+        if let Some(begun) = self.schedule.begin(clock::now())
+            && self.works()
+        {
             self.cycle(begun);
         }
         Ok(true)
