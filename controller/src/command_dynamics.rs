@@ -120,11 +120,11 @@ impl CommandDynamics {
     /// acceleration, rad/s^2.
     pub fn advance(&mut self, setpoint: &Axes) -> Axes {
         let before = self.velocity;
-        for axis in 0..6 {
-            let change = setpoint[axis] - self.setpoint[axis];
-            for tick in 0..self.period_ticks {
-                let share = tick as f64 / self.period_ticks as f64;
-                let a = self.acceleration(axis, self.setpoint[axis] + change * share);
+        let change = setpoint - self.setpoint;
+        for tick in 0..self.period_ticks {
+            let share = tick as f64 / self.period_ticks as f64;
+            for axis in 0..6 {
+                let a = self.acceleration(axis, self.setpoint[axis] + change[axis] * share);
                 self.position[axis] += self.velocity[axis] * TICK_S + 0.5 * a * TICK_S * TICK_S;
                 self.velocity[axis] += a * TICK_S;
             }

@@ -43,7 +43,11 @@ impl<'a> Network<'a> {
 
     /// `message`, unless it is lost.
     pub fn passes<M: Message>(&self, message: Option<M>) -> Option<M> {
-        message.filter(|message| !self.scenario.loses(M::CHANNEL, message.stamp().step))
+        message.filter(|message| self.delivers(message))
+    }
+
+    fn delivers<M: Message>(&self, message: &M) -> bool {
+        !self.scenario.loses(M::CHANNEL, message.stamp().step)
     }
 
     /// Take a tick's messages of robot and sensor: what comes through waits for the controller's next cycle. Where one is
@@ -53,14 +57,12 @@ impl<'a> Network<'a> {
         state: Option<RobotState>,
         sensed: &sensor_sim::Outputs,
     ) -> Option<(i64, Arrived)> {
-        let Arrived {
-            deflections, object, ..
-        } = self.arrived;
-        self.arrived = Arrived {
-            state: self.passes(state),
-            deflections: self.passes(Some(sensed.deflections)).or(deflections),
-            object: self.passes(sensed.object_pose).or(object),
-        };
+        self.arrived.state = self.passes(state);
+        // In place: a tick's samples are a thousand bytes, and wanted once in T.
+        if self.delivers(&sensed.deflections) {
+            self.arrived.deflections = Some(sensed.deflections);
+        }
+        self.arrived.object = self.passes(sensed.object_pose).or(self.arrived.object);
         Some((state?.stamp.step, std::mem::take(&mut self.arrived)))
     }
 }

@@ -6,9 +6,11 @@
 //! does meanwhile concerns both alike.
 
 pub mod bare;
+pub mod cells;
 pub mod cycles;
 mod peer;
 mod plant;
+pub mod rates;
 pub mod ring;
 mod statistics;
 mod wire;
@@ -74,6 +76,9 @@ pub enum WireSpeedError {
         /// For how long.
         seconds: u64,
     },
+    /// The kernel does not tell what a process uses.
+    #[error("/proc does not tell what a process uses: {0}; stderr tells what became of it")]
+    Usage(io::Error),
     /// The simulated robot or sensor can't say what it should.
     #[error("{0}")]
     Own(#[from] Invalid),
@@ -84,7 +89,12 @@ pub enum WireSpeedError {
 
 impl Programs {
     /// What starts the program of `role` on `port`; `receive` is added to its LCM URLs.
-    fn command(&self, role: Role, port: &RunPort, receive: &str) -> Result<NodeCommand, WireSpeedError> {
+    pub(crate) fn command(
+        &self,
+        role: Role,
+        port: &RunPort,
+        receive: &str,
+    ) -> Result<NodeCommand, WireSpeedError> {
         let (device, world) = (port.device_url() + receive, port.simulation_url() + receive);
         let mut arguments: Vec<OsString> = vec!["--scenario".into(), self.scenario.clone().into()];
         arguments.extend(["--url", &device, "--sim-url", &world].map(OsString::from));
@@ -111,7 +121,7 @@ fn program(name: &str) -> Result<PathBuf, WireSpeedError> {
 }
 
 /// Wait until `instant`, or for a signal.
-fn wait_until(instant: Instant, stop: &Receiver<()>) -> Result<(), LaunchError> {
+pub(crate) fn wait_until(instant: Instant, stop: &Receiver<()>) -> Result<(), LaunchError> {
     match stop.recv_deadline(instant) {
         Err(RecvTimeoutError::Timeout) => Ok(()),
         Ok(()) | Err(RecvTimeoutError::Disconnected) => Err(LaunchError::Interrupted),

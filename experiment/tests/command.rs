@@ -102,7 +102,8 @@ fn runs_without_contact_fail_by_name() {
 
 #[test]
 fn the_rate_of_the_simulation_is_measured() {
-    let (code, stdout, _) = touchdown("bench simulation --repetitions 2 --set timing.duration_s=0.1 --json");
+    let (code, stdout, _) =
+        touchdown("bench simulation --repetitions 2 --threads 3 --set timing.duration_s=0.1 --json");
     let report: Value = serde_json::from_str(&stdout).unwrap();
     let number = |key: &str| report[key].as_f64().unwrap();
     assert_eq!(code, 0);
@@ -111,6 +112,12 @@ fn the_rate_of_the_simulation_is_measured() {
     for part in ["robot", "sensor", "controller"] {
         assert!(number(&format!("{part}_us_per_tick")) > 0.0, "{stdout}");
     }
+    let sweep = &report["sweep"];
+    assert_keys(
+        sweep,
+        "threads runs speed_up speed_up_min speed_up_max speed_up_per_core",
+    );
+    assert_eq!((&sweep["threads"], &sweep["runs"]), (&3.into(), &64.into()));
     assert!(
         number("simulated_s_per_core_s") <= number("simulated_s_per_core_s_max"),
         "{stdout}"
@@ -118,6 +125,16 @@ fn the_rate_of_the_simulation_is_measured() {
     assert!(
         (number("ticks_per_core_s") / number("simulated_s_per_core_s") - 1e3).abs() < 1e-6,
         "{stdout}"
+    );
+}
+
+#[test]
+fn a_python_without_mujoco_is_refused() {
+    let (code, _, stderr) = touchdown("bench mujoco --python false");
+    assert_eq!(code, 2);
+    assert!(
+        stderr.starts_with("error: false has no package mujoco; `pip install mujoco`"),
+        "{stderr}"
     );
 }
 

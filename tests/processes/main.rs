@@ -23,4 +23,5 @@ mod runs;
 mod scripting;
 mod spy;
 mod up;
+mod upkeep;
 mod watch;

@@ -1,8 +1,10 @@
 //! `touchdown bench`.
 
-use super::{Header, ScenarioArgs, bare, cycle, detection, network, print, print_json};
+use super::{
+    Header, ScenarioArgs, Threads, bare, cycle, detection, growth, mujoco, network, nodes, print, print_json,
+};
 use anyhow::Result;
-use experiment::cost::{self, median};
+use experiment::cost::{self, Scaling, median};
 use experiment::in_process::{self, Part};
 use serde::Serialize;
 use spatial::TICK_S;
@@ -14,12 +16,15 @@ pub(crate) enum Bench {
     Simulation(SimulationArgs),
     Controller(cycle::Args),
     Network(network::Args),
+    Nodes(nodes::Args),
+    Growth(growth::Args),
+    Mujoco(mujoco::Args),
     #[command(hide = true)]
     Bare(bare::Args),
     Detection(detection::Args),
 }
 
-/// How many seconds are simulated, in process, in a second of one core
+/// How many seconds are simulated, in process, in a second of one core, and how a sweep's runs share the cores
 #[derive(clap::Args)]
 pub(crate) struct SimulationArgs {
     #[command(flatten)]
@@ -27,6 +32,8 @@ pub(crate) struct SimulationArgs {
     /// Runs that are timed, after one that is not
     #[arg(long, default_value_t = 5, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     repetitions: u16,
+    #[command(flatten)]
+    threads: Threads,
     /// Print one JSON object instead of text
     #[arg(long)]
     json: bool,
@@ -45,6 +52,7 @@ struct Report<'a> {
     robot_us_per_tick: f64,
     sensor_us_per_tick: f64,
     controller_us_per_tick: f64,
+    sweep: Scaling,
 }
 
 pub(crate) fn run(bench: &Bench) -> Result<ExitCode> {
@@ -52,6 +60,9 @@ pub(crate) fn run(bench: &Bench) -> Result<ExitCode> {
         Bench::Simulation(args) => simulation(args),
         Bench::Controller(args) => cycle::run(args),
         Bench::Network(args) => network::run(args),
+        Bench::Nodes(args) => nodes::run(args),
+        Bench::Growth(args) => growth::run(args),
+        Bench::Mujoco(args) => mujoco::run(args),
         Bench::Bare(args) => bare::run(args),
         Bench::Detection(args) => detection::run(args),
     }
@@ -62,6 +73,8 @@ fn simulation(args: &SimulationArgs) -> Result<ExitCode> {
     if cfg!(debug_assertions) {
         tracing::warn!("this is a debug build; `cargo build --release` gives the figures that count");
     }
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = args.threads.threads.map_or_else(cores, usize::from);
     let ticks = scenario.timing.ticks();
     let mut said = Vec::new();
     in_process::run(&scenario, |tick| said.push(*tick));
@@ -80,13 +93,15 @@ fn simulation(args: &SimulationArgs) -> Result<ExitCode> {
         robot_us_per_tick: us_per_tick(Part::Robot),
         sensor_us_per_tick: us_per_tick(Part::Sensor),
         controller_us_per_tick: us_per_tick(Part::Controller),
+        sweep: cost::scaling(&scenario, threads, args.repetitions)?,
     };
     if args.json {
         print_json(&report)?;
     } else {
         print(format_args!(
             "simulated, in process: {:.1} s in a second of one core ({:.1} to {:.1} s in {} runs of {} ticks), \
-             {:.0} ticks/s; us per tick, each part alone: robot {:.2}, sensor {:.2}, controller {:.2}\n",
+             {:.0} ticks/s; us per tick, each part alone: robot {:.2}, sensor {:.2}, controller {:.2}\n\
+             a sweep's runs on {} threads: {:.2} times as fast as on one ({:.2} to {:.2}), {:.2} of linear\n",
             report.simulated_s_per_core_s,
             report.simulated_s_per_core_s_min,
             report.simulated_s_per_core_s_max,
@@ -96,6 +111,11 @@ fn simulation(args: &SimulationArgs) -> Result<ExitCode> {
             report.robot_us_per_tick,
             report.sensor_us_per_tick,
             report.controller_us_per_tick,
+            report.sweep.threads,
+            report.sweep.speed_up,
+            report.sweep.speed_up_min,
+            report.sweep.speed_up_max,
+            report.sweep.speed_up_per_core,
         ))?;
     }
     Ok(ExitCode::SUCCESS)

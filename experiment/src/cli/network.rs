@@ -7,10 +7,10 @@ use experiment::wire_speed::Programs;
 use experiment::wire_speed::cycles::{self, Amount, Pace, Receive, Row};
 use experiment::wire_speed::ring::{self, Lockstep};
 use node::clock;
-use node::scenario::TimingMode;
+use node::scenario::{Scenario, TimingMode};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode, Stdio};
+use std::process::ExitCode;
 use std::time::Duration;
 
 /// How near the programs come to the wire's own speed: lockstep against three bare processes, and the controller's answer
@@ -61,15 +61,16 @@ struct Report<'a> {
     loops: &'a [Row],
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
+/// How long something is timed.
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(seconds) if (0.05..=3600.0).contains(&seconds) => Ok(seconds),
         _ => Err(format!("\"{text}\" is no time within 0.05..=3600 s")),
     }
 }
 
-pub(crate) fn run(args: &Args) -> Result<ExitCode> {
-    let (source, scenario) = args.scenario.read()?;
+/// Refuse a scenario in real time.
+pub(super) fn in_lockstep(scenario: &Scenario) -> Result<()> {
     let mode = scenario.timing.mode;
     ensure!(
         mode == TimingMode::Lockstep,
@@ -77,6 +78,12 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
             "timing.mode is {mode:?}, but this measures lockstep; leave it at lockstep"
         ))
     );
+    Ok(())
+}
+
+pub(crate) fn run(args: &Args) -> Result<ExitCode> {
+    let (source, scenario) = args.scenario.read()?;
+    in_lockstep(&scenario)?;
     if cfg!(debug_assertions) {
         tracing::warn!("this is a debug build; `cargo build --release` gives the figures that count");
     }
@@ -136,16 +143,10 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
 /// All ways of receiving that there are here.
 fn ways(python: Option<&Path>) -> Result<Vec<Receive>> {
     let mut ways = vec![Receive::Raw, Receive::Own, Receive::Liblcm];
-    let interpreter = python.unwrap_or(Path::new("python3"));
-    let mut asked = Command::new(interpreter);
-    let asked = asked.args(["-c", "import lcm"]).stderr(Stdio::null()).status();
-    if asked.is_ok_and(|status| status.success()) {
-        ways.push(Receive::Python(interpreter.to_owned()));
-    } else {
-        let remedy = "`pip install lcm` into a virtual environment and name its Python by --python";
-        let has_none = format!("{} has no package lcm", interpreter.display());
-        ensure!(python.is_none(), WrongUsage(format!("{has_none}; {remedy}")));
-        tracing::warn!("no row for Python: {has_none}; {remedy}");
+    match super::python::with("lcm", python) {
+        Ok(python) => ways.push(Receive::Python(python)),
+        Err(lacking) if python.is_some() => return Err(lacking.into()),
+        Err(lacking) => tracing::warn!("no row for Python: {lacking}"),
     }
     Ok(ways)
 }

@@ -15,7 +15,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// How many cycles of a turn are not counted: the process has been idle while others had theirs.
-const COLD: u32 = 10;
+pub(super) const COLD: u32 = 10;
 
 /// How a process receives, that answers the sensor's messages.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -56,8 +56,14 @@ pub struct Pace {
 impl Pace {
     /// The paper's.
     pub const HZ_250: Self = Self::every("250 Hz", Duration::from_millis(4));
-    /// The same messages, T = 4 ms included, every ms.
+    /// The same messages, T = 4 ms included, more often.
+    pub const HZ_500: Self = Self::every("500 Hz", Duration::from_millis(2));
+    #[allow(missing_docs)]
     pub const HZ_1000: Self = Self::every("1000 Hz", Duration::from_millis(1));
+    #[allow(missing_docs)]
+    pub const HZ_2000: Self = Self::every("2000 Hz", Duration::from_micros(500));
+    #[allow(missing_docs)]
+    pub const HZ_4000: Self = Self::every("4000 Hz", Duration::from_micros(250));
     /// Each as soon as the one before is answered.
     pub const UNPACED: Self = Self {
         name: "back to back",
@@ -123,13 +129,8 @@ pub fn measure(
         .iter()
         .map(|receive| Peer::start(receive, programs, scenario, stop));
     let mut peers = starting.collect::<Result<Vec<_>, _>>()?;
-    let cycles = scenario.timing.ticks() / scenario.timing.command_period_ticks;
     for peer in &mut peers {
-        for _ in 0..cycles {
-            wait_until(clock::now(), stop)?;
-            let said = peer.prepare()?;
-            peer.exchange(&said)?;
-        }
+        settle(peer, scenario, stop)?;
     }
     let mut rows = Vec::new();
     for pace in paces {
@@ -150,8 +151,22 @@ pub fn measure(
     Ok(rows)
 }
 
+/// Let `scenario` run to its end.
+pub(super) fn settle(
+    peer: &mut Peer,
+    scenario: &Scenario,
+    stop: &Receiver<()>,
+) -> Result<(), WireSpeedError> {
+    for _ in 0..scenario.timing.ticks() / scenario.timing.command_period_ticks {
+        wait_until(clock::now(), stop)?;
+        let said = peer.prepare()?;
+        peer.exchange(&said)?;
+    }
+    Ok(())
+}
+
 /// How long the answers of one turn took, us; those that were lost are left out.
-fn take_turn(
+pub(super) fn take_turn(
     peer: &mut Peer,
     pace: &Pace,
     cycles: u32,

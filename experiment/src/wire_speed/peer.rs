@@ -8,6 +8,7 @@ use super::{Programs, QUIET, SILENT, WireSpeedError, command, wait_until};
 use crate::datagram;
 use crate::launch::{Cell, NodeCommand};
 use crate::run_port::RunPort;
+use crate::usage::Usage;
 use crossbeam::channel::Receiver;
 use lcmtypes::Message;
 use node::clock;
@@ -30,7 +31,7 @@ pub(super) struct Peer {
     command: Option<Command>,
     /// Whether its answers have content.
     controls: bool,
-    _cell: Cell,
+    cell: Cell,
     _port: RunPort,
 }
 
@@ -57,7 +58,7 @@ impl Peer {
             command: None,
             controls: matches!(receive, Receive::Own | Receive::Liblcm),
             // Nobody listens beside the two, who would have to be woken up, too.
-            _cell: Cell::of("memq://", 0, &[node])?,
+            cell: Cell::of("memq://", 0, &[node])?,
             _port: port,
         };
         if peer.controls {
@@ -66,6 +67,12 @@ impl Peer {
         let first = peer.prepare()?;
         peer.exchange(&first)?;
         Ok(peer)
+    }
+
+    /// What its process has used.
+    pub(super) fn usage(&self) -> Result<Usage, WireSpeedError> {
+        let id = self.cell.process_id(Role::Controller).unwrap_or_default();
+        Usage::of(id).map_err(WireSpeedError::Usage)
     }
 
     /// Say who the robot is until the controller has answered.

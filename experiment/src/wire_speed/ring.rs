@@ -19,9 +19,9 @@ use serde::Serialize;
 use spatial::ports::{RobotState, Role};
 use std::time::{Duration, Instant};
 
-const ROLES: [Role; 3] = [Role::Sensor, Role::Controller, Role::Robot];
+pub(super) const ROLES: [Role; 3] = [Role::Sensor, Role::Controller, Role::Robot];
 /// Between the first tick and the first that counts.
-const WARM_UP: Duration = Duration::from_millis(200);
+pub(super) const WARM_UP: Duration = Duration::from_millis(200);
 /// How long this process listens before it looks for a signal.
 const LOOK: Duration = Duration::from_millis(50);
 /// How often a part's computation is timed.
@@ -134,14 +134,18 @@ fn rate(
     let _cell = Cell::of("memq://", 0, &nodes)?;
     let (_, first) = next_tick(listening, stop)?;
     wait_until(first + WARM_UP, stop)?;
-    let look = || next_tick(Wire::join(port.port(), LOOK)?, stop);
-    let (tick, from) = look()?;
+    let (tick, from) = look(&port, stop)?;
     wait_until(from + window, stop)?;
-    let (last, until) = look()?;
+    let (last, until) = look(&port, stop)?;
     Ok(Rate {
         ticks_per_s: (last - tick) as f64 / (until - from).as_secs_f64(),
         start_up_s: (first - started).as_secs_f64(),
     })
+}
+
+/// The tick that a ring on `port` has come to, and when.
+pub(super) fn look(port: &RunPort, stop: &Receiver<()>) -> Result<(i64, Instant), WireSpeedError> {
+    next_tick(Wire::join(port.port(), LOOK)?, stop)
 }
 
 /// The tick of the next `ROBOT_STATE`, and when it came.

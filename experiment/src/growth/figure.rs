@@ -1,0 +1,87 @@
+//! How costs grow, as SVG.
+
+use super::Growth;
+use crate::figure::FigureError;
+use crate::figure::chart::{BLUE, Chart, GREY, Line, RED};
+use plotters::style::RGBColor;
+use std::path::Path;
+
+/// A curve: its name, its colour and its points.
+type Curve = (&'static str, RGBColor, Vec<(f64, f64)>);
+
+/// Draw `growth` into files `growth-*.svg` in `directory`.
+pub(super) fn draw(growth: &Growth, directory: &Path) -> Result<(), FigureError> {
+    let rates = growth
+        .rates
+        .iter()
+        .map(|row| (row.cycles_per_s, 1e2 * row.core_share));
+    let cells = growth
+        .cells
+        .iter()
+        .map(|row| (row.cells as f64, row.cells as f64 * row.core_us_per_tick));
+    let logs =
+        |of: fn(&super::LogRow) -> f64| growth.logs.iter().map(move |row| (row.log_s, of(row))).collect();
+    let figures: [(&str, [&'static str; 2], Vec<Curve>); 4] = [
+        (
+            "rate",
+            ["cycles/s", "controller, % of a core"],
+            vec![("controller", BLUE, rates.collect())],
+        ),
+        (
+            "cells",
+            ["cells on this machine", "all, core us per tick"],
+            vec![("cells in lockstep", BLUE, cells.collect())],
+        ),
+        (
+            "log-time",
+            ["log, s", "time on a core, s"],
+            vec![
+                ("analyse", BLUE, logs(|row| row.analyse_core_s)),
+                ("replay", RED, logs(|row| row.replay_core_s)),
+            ],
+        ),
+        (
+            "log-memory",
+            ["log, s", "memory at most, MiB"],
+            vec![
+                ("analyse", BLUE, logs(|row| row.analyse_mib)),
+                ("replay", RED, logs(|row| row.replay_mib)),
+            ],
+        ),
+    ];
+    for (name, axes, curves) in figures {
+        let drawn = chart(axes, curves).draw().ok_or(FigureError::Empty)?;
+        let svg = drawn.map_err(|error| FigureError::Draw(error.to_string()))?;
+        let path = directory.join(format!("growth-{name}.svg"));
+        std::fs::write(&path, svg).map_err(|source| FigureError::Write { path, source })?;
+    }
+    Ok(())
+}
+
+/// Each curve, and a straight line from the origin through its first point.
+fn chart(axes: [&'static str; 2], curves: Vec<Curve>) -> Chart {
+    let furthest = curves.iter().flat_map(|(_, _, points)| points);
+    let furthest = furthest.map(|(x, _)| *x).fold(0.0, f64::max);
+    let proportional = |(_, _, points): &Curve| {
+        let (x, y) = points.first().copied().unwrap_or((1.0, 0.0));
+        Line {
+            name: "in proportion",
+            points: vec![(0.0, 0.0), (furthest, furthest * y / x)],
+            colour: GREY,
+            dashed: true,
+        }
+    };
+    let mut lines: Vec<Line> = curves.iter().map(proportional).collect();
+    lines.extend(curves.into_iter().map(|(name, colour, points)| Line {
+        name,
+        points,
+        colour,
+        dashed: false,
+    }));
+    Chart {
+        axes,
+        range: 0.0..1.02 * furthest,
+        lines,
+        bars: Vec::new(),
+    }
+}
