@@ -16,7 +16,7 @@ tuned_laws := pd,pd-reset,proposed,impedance,ros2,fzi
 alone := --gains default,tuned --set controller.oscillation.enabled=false
 both := $(alone) --laws $(all_laws)
 
-.PHONY: help demo report laws tune maps elastic free-motion keys test bits bench faults doctor build install uninstall check format lint doc clean
+.PHONY: help demo report laws tune maps elastic free-motion keys test bits bench speed faults doctor build install uninstall check format lint doc clean
 
 help: ## list the targets (default)
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 13
@@ -81,14 +81,26 @@ bits: ## the same bits in release and, emulated, on other CPUs
 		./setup.sh bits cargo test --locked -p experiment --test golden || exit 1; \
 	done
 
-bench: ## how fast simulation, sweeps and network are on this machine (5 min), the network: docs/network.txt
+bench: ## how fast control cycles, a sweep and the network are on this machine (5 min), the network: docs/network.txt
 	@$(build)
-	@$(touchdown) bench simulation
 	@$(touchdown) bench controller elastic_arm
 	@$(touchdown) sweep smoke --fresh --out target/sweep/bench
 	@$(touchdown) bench network >target/network.txt
 	@mv target/network.txt docs/network.txt
 	@cat docs/network.txt
+
+# Where a Python with MuJoCo is, which nothing else needs.
+mujoco := target/mujoco
+
+speed: ## simulation beside MuJoCo, sweeps, nodes, and how costs grow on this machine (5 min): docs/speed.txt, docs/growth-*.svg
+	@$(build)
+	@[ -e $(mujoco)/bin/pip ] || ./setup.sh test python3 -m venv $(mujoco)
+	@$(mujoco)/bin/python -c "import mujoco" 2>/dev/null || $(mujoco)/bin/pip install -q mujoco
+	@{ $(touchdown) bench simulation paper && $(touchdown) bench simulation elastic_arm && echo && \
+	   $(touchdown) bench mujoco --python $(mujoco)/bin/python && echo && \
+	   $(touchdown) bench nodes && echo && $(touchdown) bench growth --out docs; } >target/speed.txt
+	@mv target/speed.txt docs/speed.txt
+	@cat docs/speed.txt
 
 faults: ## what goes wrong in real time, when, and what comes of it (10 min): docs/faults.txt
 	@./setup.sh test cargo build --workspace --bins --locked

@@ -8,8 +8,7 @@ pub use crate::wire_speed::rates::Row as RateRow;
 pub use logs::Row as LogRow;
 
 use crate::figure::FigureError;
-use crate::log::NoLog;
-use crate::replay::Unreplayable;
+use crate::launch::LaunchError;
 use crate::wire_speed::{Programs, WireSpeedError, cells, rates};
 use crossbeam::channel::Receiver;
 use lcmtypes::LogError;
@@ -61,15 +60,15 @@ pub enum GrowthError {
     /// A log can't be written.
     #[error("{0}")]
     Write(#[from] LogError),
-    /// A log can't be read.
+    /// A signal asks to end.
     #[error("{0}")]
-    Read(#[from] NoLog),
-    /// A log can't be replayed.
-    #[error("{0}")]
-    Replay(#[from] Unreplayable),
-    /// The kernel does not tell.
-    #[error("/proc/self does not tell how much memory is used: {0}")]
-    Memory(io::Error),
+    Launch(#[from] LaunchError),
+    /// A log can't be read as a user does.
+    #[error("can't tell what touchdown takes to read a log: {0}")]
+    Command(io::Error),
+    /// A command has failed.
+    #[error("touchdown can't read a log that it has just written; stderr tells why")]
+    Failed,
 }
 
 /// Measure the programs of `scenario`; `endless` are those of the same that don't end meanwhile. Logs go to `directory`.
@@ -81,8 +80,7 @@ pub fn measure(
     stop: &Receiver<()>,
 ) -> Result<Growth, GrowthError> {
     Ok(Growth {
-        // First, while this process has nothing to give back.
-        logs: logs::measure(scenario, &amount.logs_s, directory)?,
+        logs: logs::measure(programs, scenario, &amount.logs_s, directory, stop)?,
         rates: rates::measure(programs, scenario, amount.turns, amount.cycles, stop)?,
         cells: cells::measure(endless, &amount.cells, amount.turns, amount.window, stop)?,
     })

@@ -62,13 +62,12 @@ mod tests {
         let id = std::process::id();
         let before = Usage::of(id).unwrap();
         let fresh = black_box(vec![1_u8; 1 << 24]);
-        let mut sum = 0_u64;
         // Until the kernel's account, which it brings up to date at times, has it.
         while (Usage::of(id).unwrap() - before).core_s <= 0.0 {
-            sum += fresh.iter().map(|byte| u64::from(*byte)).sum::<u64>();
+            black_box(fresh.iter().map(|byte| u64::from(*byte)).sum::<u64>());
         }
         let used = Usage::of(id).unwrap() - before;
-        assert!(black_box(sum) > 0 && used.minor_faults > 8, "{used:?}");
+        assert!(used.minor_faults > 8, "{used:?}");
         assert!(Usage::of(u32::MAX).is_err());
     }
 }

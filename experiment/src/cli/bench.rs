@@ -99,9 +99,10 @@ fn simulation(args: &SimulationArgs) -> Result<ExitCode> {
         print_json(&report)?;
     } else {
         print(format_args!(
-            "simulated, in process: {:.1} s in a second of one core ({:.1} to {:.1} s in {} runs of {} ticks), \
+            "{}: simulated, in process: {:.1} s in a second of one core ({:.1} to {:.1} s in {} runs of {} ticks), \
              {:.0} ticks/s; us per tick, each part alone: robot {:.2}, sensor {:.2}, controller {:.2}\n\
              a sweep's runs on {} threads: {:.2} times as fast as on one ({:.2} to {:.2}), {:.2} of linear\n",
+            report.header.scenario,
             report.simulated_s_per_core_s,
             report.simulated_s_per_core_s_min,
             report.simulated_s_per_core_s_max,

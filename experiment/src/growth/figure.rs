@@ -58,20 +58,22 @@ pub(super) fn draw(growth: &Growth, directory: &Path) -> Result<(), FigureError>
     Ok(())
 }
 
-/// Each curve, and a straight line from the origin through its first point.
+/// Each curve, and straight lines from the origin through their first points.
 fn chart(axes: [&'static str; 2], curves: Vec<Curve>) -> Chart {
     let furthest = curves.iter().flat_map(|(_, _, points)| points);
     let furthest = furthest.map(|(x, _)| *x).fold(0.0, f64::max);
-    let proportional = |(_, _, points): &Curve| {
+    // One line for all of them, to the origin and back.
+    let proportional = curves.iter().flat_map(|(_, _, points)| {
         let (x, y) = points.first().copied().unwrap_or((1.0, 0.0));
-        Line {
-            name: "in proportion",
-            points: vec![(0.0, 0.0), (furthest, furthest * y / x)],
-            colour: GREY,
-            dashed: true,
-        }
-    };
-    let mut lines: Vec<Line> = curves.iter().map(proportional).collect();
+        let end = (furthest, furthest * y / x);
+        [(0.0, 0.0), end, (0.0, 0.0)]
+    });
+    let mut lines = vec![Line {
+        name: "in proportion",
+        points: proportional.collect(),
+        colour: GREY,
+        dashed: true,
+    }];
     lines.extend(curves.into_iter().map(|(name, colour, points)| Line {
         name,
         points,

@@ -7,6 +7,9 @@ use signal_hook::iterator::Signals;
 use std::io::IsTerminal;
 use std::os::unix::net::UnixStream;
 use std::process::ExitCode;
+use tracing::Level;
+use tracing_subscriber::filter::Targets;
+use tracing_subscriber::prelude::*;
 
 /// Get SIGTERM when the process `parent`, which started this one, ends.
 pub fn follow(parent: i32) -> anyhow::Result<()> {
@@ -44,18 +47,20 @@ pub fn told(error: &anyhow::Error) -> String {
     text
 }
 
-/// Log to stderr; `RUST_LOG` chooses what (default: info).
+/// Log to stderr; `RUST_LOG` chooses what, such as `warn` or `info,lcmtypes=debug` (default: info).
 pub fn log_to_stderr() {
-    let filter = tracing_subscriber::EnvFilter::try_from_default_env()
-        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("info"));
-    // A second call, in a test, keeps the first subscriber.
-    let _ = tracing_subscriber::fmt()
-        .with_env_filter(filter)
+    let asked = std::env::var("RUST_LOG")
+        .ok()
+        .and_then(|asked| asked.parse().ok());
+    let chosen = asked.unwrap_or_else(|| Targets::new().with_default(Level::INFO));
+    let lines = tracing_subscriber::fmt::layer()
         .with_writer(std::io::stderr)
         .with_ansi(std::io::stderr().is_terminal())
         .with_target(false)
         .without_time()
-        .try_init();
+        .with_filter(chosen);
+    // A second call, in a test, keeps the first subscriber.
+    let _ = tracing_subscriber::registry().with(lines).try_init();
 }
 
 /// A stream that has something to read once a signal has asked the process to end.
