@@ -102,7 +102,7 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
 
 fn text(scenario: &str, growth: &Growth) -> String {
     let mut text = format!(
-        "{scenario}: how costs grow (make growth: touchdown bench growth)\n\n\
+        "{scenario}: how costs grow (make speed: touchdown bench growth)\n\n\
          cycles/s  controller: % of a core  us per cycle\n"
     );
     for row in &growth.rates {
