@@ -62,11 +62,11 @@ pub(super) fn draw(growth: &Growth, directory: &Path) -> Result<(), FigureError>
 fn chart(axes: [&'static str; 2], curves: Vec<Curve>) -> Chart {
     let furthest = curves.iter().flat_map(|(_, _, points)| points);
     let furthest = furthest.map(|(x, _)| *x).fold(0.0, f64::max);
-    // One line for all of them, to the origin and back.
-    let proportional = curves.iter().flat_map(|(_, _, points)| {
+    // One line for all of them: to the origin and out again, no part of it twice, or dashes would fill each other's gaps.
+    let proportional = curves.iter().enumerate().flat_map(|(i, (_, _, points))| {
         let (x, y) = points.first().copied().unwrap_or((1.0, 0.0));
-        let end = (furthest, furthest * y / x);
-        [(0.0, 0.0), end, (0.0, 0.0)]
+        let (origin, end) = ((0.0, 0.0), (furthest, furthest * y / x));
+        if i % 2 == 0 { [end, origin] } else { [origin, end] }
     });
     let mut lines = vec![Line {
         name: "in proportion",
