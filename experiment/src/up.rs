@@ -49,6 +49,9 @@ impl CellConfig {
                     }
                 }
             }
+            for key in &self.keys {
+                arguments.extend([OsString::from("--key"), key.into()]);
+            }
             NodeCommand {
                 role,
                 through: Vec::new(),

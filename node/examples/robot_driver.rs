@@ -171,7 +171,7 @@ impl<D: Drives> Driver<D> {
             echo: self.node.echo(),
             authenticity: Authenticity::default(),
         };
-        self.node.shell.publish(&self.device, &state);
+        self.node.publish_state(&self.device, &state);
     }
 
     /// Hear what comes until `due`; a flood of messages does not hold up the tick.
@@ -200,23 +200,29 @@ impl<D: Drives> Driver<D> {
     }
 
     fn take_deflections(&mut self, deflections: &Deflections) {
-        if self.node.works_with(Role::Sensor, deflections.stamp.boot_id) {
+        if self.node.works_with(Role::Sensor, deflections.stamp.boot_id) && self.node.admits(deflections) {
             self.commanded.sense(self.tick, deflections);
         }
     }
 
     fn take_command(&mut self, received: &Received<Command>) {
         let command = &received.message;
-        let known = self.node.works_with(Role::Controller, command.stamp.boot_id);
+        if !self.node.works_with(Role::Controller, command.stamp.boot_id) {
+            self.node.shell.health.link().refused += 1;
+            return;
+        }
+        if !self.node.admits(command) {
+            return;
+        }
         self.node.take_echo(command, received.received_at);
-        if !known || self.commanded.hear(self.tick, command) == Answer::Ignored {
+        if self.commanded.hear(self.tick, command) == Answer::Ignored {
             self.node.shell.health.link().refused += 1;
         }
     }
 
     fn take_task(&mut self, task: &Task) {
         let cause_gone = self.drives.fault().is_none();
-        if task.action == TaskAction::Reset && self.commanded.reset(cause_gone) {
+        if self.node.admits(task) && task.action == TaskAction::Reset && self.commanded.reset(cause_gone) {
             tracing::info!("the fault is cleared");
             self.node.shell.health.forgive();
         }

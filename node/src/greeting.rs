@@ -27,6 +27,7 @@ impl fmt::Display for Mismatch {
         let remedy = match *what {
             "run id" => "another run uses this port; give each run a port or a suffix of its own",
             "protocol" => "the programs are of different versions; build them from one",
+            "authentication" => "give all nodes the same --key FILE, or none of them one",
             "tick reached" => "it was restarted or belongs to an earlier run; restart all nodes",
             _ => "start all nodes with the same scenario file and the same --set",
         };
@@ -74,6 +75,19 @@ pub fn compare(own: &Hello, peer: &NodeStatus) -> Result<(), Mismatch> {
         }),
         None => Ok(()),
     }
+}
+
+/// Compare whether messages are authenticated: `own` with what a peer says of itself.
+pub fn compare_keys(own: bool, peer: &NodeStatus) -> Result<(), Mismatch> {
+    if own == peer.authenticated {
+        return Ok(());
+    }
+    Err(Mismatch {
+        peer: peer.role,
+        what: "authentication",
+        expected: i64::from(own),
+        found: i64::from(peer.authenticated),
+    })
 }
 
 /// Like [`compare`], for a peer that has to be at its start: before its first tick.
@@ -141,6 +155,13 @@ mod tests {
                 "{mismatch}"
             );
         }
+        let mut with_key = peer(hello());
+        with_key.authenticated = true;
+        assert_eq!(compare_keys(true, &with_key), Ok(()));
+        assert_eq!(
+            compare_keys(false, &with_key).unwrap_err().to_string(),
+            "sensor-sim has authentication 1, here it is 0; give all nodes the same --key FILE, or none of them one"
+        );
         let mut late = peer(hello());
         late.stamp.step = 12;
         assert!(

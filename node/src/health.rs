@@ -91,9 +91,10 @@ impl Health {
         }
     }
 
-    /// In real time: the process `boot_id`, with or without all real-time rights.
-    pub(crate) fn be(&mut self, boot_id: i64, realtime: bool) {
+    /// In real time: the process `boot_id`, with or without all real-time rights, with or without a key.
+    pub(crate) fn be(&mut self, boot_id: i64, realtime: bool, authenticated: bool) {
         self.status.stamp.boot_id = boot_id;
+        self.status.authenticated = authenticated;
         self.status.realtime = realtime;
     }
 

@@ -8,6 +8,8 @@
 //! | the only place that reads a clock | [`clock`] |
 //! | how a peer's clock differs, from four time stamps (pure) | [`clock_sync`] |
 //! | whom a node works with in real time (pure) | [`peers`] |
+//! | who has sent a message, and whether it is new (pure) | [`authenticity`] |
+//! | the files that hold the keys for that | [`key_file`] |
 //! | the robot's states, and who may command it (pure) | [`robot_states`] |
 //! | which commands a robot can execute (pure) | [`guard`] |
 //! | from set-points to each tick's (pure) | [`command_path`] |
@@ -19,6 +21,7 @@
 //! | what a process has published, in an LCM event log | [`record`] |
 //! | the last seconds of it, once a fault latches | [`flight`] |
 
+pub mod authenticity;
 pub mod clock;
 pub mod clock_sync;
 pub mod command_path;
@@ -27,6 +30,7 @@ pub mod flight;
 pub mod greeting;
 pub mod guard;
 pub mod health;
+pub mod key_file;
 pub mod lockstep;
 pub mod peers;
 pub mod problem;

@@ -39,18 +39,21 @@ pub struct Peers {
     role: Role,
     boot_id: i64,
     hello: Hello,
+    /// Whether messages are authenticated.
+    authenticated: bool,
     started: Instant,
     /// By role.
     peers: [Option<Peer>; 3],
 }
 
 impl Peers {
-    /// Of the process `boot_id` in `role`, which has `started` and says `hello`.
-    pub fn new(role: Role, boot_id: i64, hello: Hello, started: Instant) -> Self {
+    /// Of the process `boot_id` in `role`, which has `started` and says `hello`; `authenticated`: with a key.
+    pub fn new(role: Role, boot_id: i64, hello: Hello, authenticated: bool, started: Instant) -> Self {
         Self {
             role,
             boot_id,
             hello,
+            authenticated,
             started,
             peers: [None; 3],
         }
@@ -62,6 +65,10 @@ impl Peers {
         if role == self.role {
             return self.hear_twin(status, now);
         }
+        let agrees = || {
+            greeting::compare(&self.hello, status)?;
+            greeting::compare_keys(self.authenticated, status)
+        };
         let peer = &mut self.peers[role as usize];
         let fresh = peer.filter(|known| now.saturating_duration_since(known.heard) < SILENT);
         match fresh {
@@ -71,7 +78,7 @@ impl Peers {
             }
             // Somebody else's experiment on the same channels does not disturb one that runs.
             Some(_) => News::Known,
-            None => match greeting::compare(&self.hello, status) {
+            None => match agrees() {
                 Err(mismatch) => News::Refused(mismatch),
                 Ok(()) => {
                     let before = peer.replace(Peer { boot_id, heard: now });
@@ -123,7 +130,7 @@ mod tests {
 
     fn peers() -> (Peers, Instant) {
         let started = clock::now();
-        let own = Peers::new(Role::Controller, 1, Hello::default(), started);
+        let own = Peers::new(Role::Controller, 1, Hello::default(), false, started);
         (own, started)
     }
 
@@ -166,6 +173,22 @@ mod tests {
             News::Joined(Role::Robot)
         );
         assert_eq!(peers.hear(&foreign, start), News::Known);
+    }
+
+    #[test]
+    fn who_has_a_key_is_refused_by_who_has_none() {
+        let (mut peers, start) = peers();
+        let mut robot = status(Role::Robot, 5, 0);
+        robot.authenticated = true;
+        assert!(matches!(
+            peers.hear(&robot, start),
+            News::Refused(Mismatch {
+                what: "authentication",
+                expected: 0,
+                found: 1,
+                ..
+            })
+        ));
     }
 
     #[test]

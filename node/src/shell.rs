@@ -110,7 +110,14 @@ impl Flags {
     /// `shell` in real time, if the scenario asks for that.
     pub fn realtime(&self, shell: Shell) -> anyhow::Result<Pace> {
         Ok(match shell.scenario.timing.mode {
-            TimingMode::Lockstep => Pace::Lockstep(shell),
+            TimingMode::Lockstep => {
+                anyhow::ensure!(
+                    !self.realtime.has_key(),
+                    "timing.mode is lockstep, in which messages are not signed: two runs send the same bits; leave --key out, or \
+                     add --set timing.mode=realtime to all nodes"
+                );
+                Pace::Lockstep(shell)
+            }
             TimingMode::Realtime => {
                 let beside = self.record.as_deref().and_then(Path::parent);
                 Pace::RealTime(RealTime::start(shell, &self.realtime, beside)?)

@@ -54,6 +54,11 @@ struct Waiting {
 /// Run the node until a signal ends it.
 pub(super) fn run(flags: &Flags, process: RealTime) -> anyhow::Result<Shell> {
     let mut process = process;
+    anyhow::ensure!(
+        !(process.authenticated() && process.shell.scenario.object_sensor.enabled),
+        "object_sensor.enabled is true, but OBJECT_POSE is not signed, and whoever forges it would move the robot; set it to false, \
+         or leave --key out"
+    );
     let mut device = flags.device_link()?;
     let (states, deflections) = (device.subscribe(16), device.subscribe(16));
     let (object_poses, tasks) = (device.subscribe(16), device.subscribe(16));
@@ -125,6 +130,9 @@ impl Node {
         if !self.works() || !self.process.works_with(Role::Robot, message.stamp.boot_id) {
             return;
         }
+        if !self.process.admits(message) {
+            return;
+        }
         let arrived = self.process.utime(*received_at);
         if let Some(us) = self.timeline.robot.take(&message.echo, arrived) {
             let round_trip = Duration::from_micros(us.unsigned_abs());
@@ -140,6 +148,9 @@ impl Node {
         let Received { message, received_at } = received;
         let step = message.stamp.step;
         if !self.works() || !self.process.works_with(Role::Sensor, message.stamp.boot_id) {
+            return;
+        }
+        if !self.process.admits(message) {
             return;
         }
         let arrived = self.process.utime(*received_at);
@@ -161,6 +172,9 @@ impl Node {
 
     /// Requests are followed by the cycle that comes next, whatever the clock of who asks says.
     fn take_task(&mut self, mut task: Task) {
+        if !self.process.admits(&task) {
+            return;
+        }
         task.stamp.utime = 0;
         if !self.agenda.add(&task) {
             tracing::debug!(step = task.stamp.step, "a request waits already, or too many do");
@@ -249,7 +263,7 @@ impl Node {
         command.stamp = self.process.stamp(tick, now);
         command.send_utime = command.stamp.utime;
         status.stamp = command.stamp;
-        self.process.shell.publish(&self.device, &command);
+        self.process.publish(&self.device, &command);
         self.process.shell.publish(&self.device, &status);
         self.keep(&heard, task.as_ref());
         if status.fault != std::mem::replace(&mut self.fault, status.fault) && status.fault != Fault::None {

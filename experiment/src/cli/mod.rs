@@ -15,6 +15,7 @@ mod export;
 mod free_motion;
 mod growth;
 mod impact;
+mod keygen;
 mod keys;
 mod mujoco;
 mod network;
@@ -81,6 +82,7 @@ enum Command {
     Run(run::Args),
     Up(up::Args),
     Task(task::Args),
+    Keygen(keygen::Args),
     Analyse(analyse::Args),
     Replay(replay::Args),
     Watch(watch::Args),
@@ -179,6 +181,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Run(args) => run::run(args),
         Command::Up(args) => up::run(args),
         Command::Task(args) => task::run(args),
+        Command::Keygen(args) => keygen::run(args),
         Command::Analyse(args) => analyse::run(args),
         Command::Replay(args) => replay::run(args),
         Command::Watch(args) => watch::run(args),

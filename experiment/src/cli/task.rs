@@ -4,10 +4,14 @@ use super::{FAILED, WrongUsage, print, print_json};
 use anyhow::{Context, Result, bail};
 use experiment::up::CellConfig;
 use lcmtypes::{Group, Lcm, LcmBuilder, Subscription};
-use node::clock;
+use node::authenticity::Gate;
+use node::clock::{self, Clock, HostClock};
+use node::key_file;
 use rustix::rand::{GetRandomFlags, getrandom};
 use serde::Serialize;
-use spatial::ports::{ControllerStatus, ParameterAnswer, Stamp, Task, TaskAction, TaskParameters};
+use spatial::ports::{
+    ControllerStatus, ParameterAnswer, RobotState, Stamp, Task, TaskAction, TaskParameters,
+};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -33,6 +37,9 @@ pub(crate) struct Args {
     parameters: Vec<String>,
     #[command(flatten)]
     channels: Channels,
+    /// Sign with the key of the cell; of several the first signs [default: what the cell's file names]
+    #[arg(long, value_name = "FILE")]
+    key: Vec<PathBuf>,
     /// Print one JSON object instead of a line
     #[arg(long)]
     json: bool,
@@ -83,14 +90,22 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     let url = args.channels.named()?.unwrap_or_else(|| DEFAULT_URL.to_owned());
     let mut link = LcmBuilder::open(&url)?;
     let statuses = link.subscribe::<ControllerStatus>(64);
-    let link = link.start()?;
+    let signature = args.signature()?.map(|gate| Signature {
+        gate,
+        states: link.subscribe(16),
+    });
+    let mut asker = Asker {
+        link: link.start()?,
+        statuses,
+        signature,
+    };
     let give_up = clock::now() + PATIENCE;
     let mut answer = None;
-    while let Some(status) = ask(&link, &statuses, &task, give_up)? {
+    while let Some(status) = asker.ask(&task, give_up)? {
         answer = Some(status);
         // The robot hears the same request, but may clear its fault after the controller has looked.
         let early = task.action == TaskAction::Reset && status.task_answer == ParameterAnswer::FaultLatched;
-        if !early || !pause(&statuses, give_up) {
+        if !early || !asker.pause(give_up) {
             break;
         }
         task.stamp.step += 1;
@@ -98,8 +113,14 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     match answer {
         Some(status) => tell(args, &status),
         None => bail!(
-            "no controller has answered on {url} within {} s; start one, or name its URL with --url{}",
+            "no controller has answered on {url} within {} s{}; start one, or name its URL with --url{}",
             PATIENCE.as_secs(),
+            match &asker.signature {
+                Some(signature) if signature.gate.session() == 0 =>
+                    ", nor has a robot said anything that is signed with this key",
+                Some(_) => "",
+                None => " (without --key: one with a key does not answer)",
+            },
             match Group::of(&url) {
                 Ok(Some(Group { ttl: 0, address, .. })) =>
                     format!(" (on another host: --url \"udpm://{address}?ttl=1\")"),
@@ -110,31 +131,70 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     }
 }
 
-/// Ask until the answer comes; `None`: not before `give_up`.
-fn ask(
-    link: &Lcm,
-    statuses: &Subscription<ControllerStatus>,
-    task: &Task,
-    give_up: Instant,
-) -> Result<Option<ControllerStatus>> {
-    while clock::now() < give_up {
-        // A repeated request is the same one to the controller.
-        link.publish(task)?;
-        let until = (clock::now() + REPEAT).min(give_up);
-        while let Ok(received) = statuses.receiver().recv_deadline(until) {
-            if received.message.task_step == task.stamp.step {
-                return Ok(Some(received.message));
-            }
-        }
+impl Args {
+    /// What to sign with, if anything.
+    fn signature(&self) -> Result<Option<Gate>> {
+        let files = match &self.channels.cell {
+            Some(path) if self.key.is_empty() => CellConfig::load(path)?.keys,
+            _ => self.key.clone(),
+        };
+        let utime = HostClock::start().utime(clock::now());
+        Ok(key_file::read_all(&files)?.map(|keyring| Gate::of_operator(keyring, utime)))
     }
-    Ok(None)
 }
 
-/// Let a repeat's time pass; `false`: there is none left before `give_up`.
-fn pause(statuses: &Subscription<ControllerStatus>, give_up: Instant) -> bool {
-    let until = clock::now() + REPEAT;
-    while statuses.receiver().recv_deadline(until.min(give_up)).is_ok() {}
-    until < give_up
+/// Whoever asks.
+struct Asker {
+    link: Lcm,
+    statuses: Subscription<ControllerStatus>,
+    signature: Option<Signature>,
+}
+
+/// What a request is signed with: the robot's states tell of which session it is.
+struct Signature {
+    gate: Gate,
+    states: Subscription<RobotState>,
+}
+
+impl Asker {
+    /// Ask until the answer comes; `None`: not before `give_up`.
+    fn ask(&mut self, task: &Task, give_up: Instant) -> Result<Option<ControllerStatus>> {
+        while clock::now() < give_up {
+            self.send(task, give_up)?;
+            let until = (clock::now() + REPEAT).min(give_up);
+            while let Ok(received) = self.statuses.receiver().recv_deadline(until) {
+                if received.message.task_step == task.stamp.step {
+                    return Ok(Some(received.message));
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// Send the request, perhaps again: a repeated one is the same to the controller, also signed anew.
+    fn send(&mut self, task: &Task, give_up: Instant) -> Result<()> {
+        let mut task = *task;
+        if let Some(Signature { gate, states }) = &mut self.signature {
+            while let Some(received) = states.take() {
+                let _ = gate.admit(&received.message);
+            }
+            while gate.session() == 0 {
+                let Ok(received) = states.receiver().recv_deadline(give_up) else {
+                    return Ok(());
+                };
+                let _ = gate.admit(&received.message);
+            }
+            gate.sign(&mut task);
+        }
+        Ok(self.link.publish(&task)?)
+    }
+
+    /// Let a repeat's time pass; `false`: there is none left before `give_up`.
+    fn pause(&self, give_up: Instant) -> bool {
+        let until = clock::now() + REPEAT;
+        while self.statuses.receiver().recv_deadline(until.min(give_up)).is_ok() {}
+        until < give_up
+    }
 }
 
 fn request(args: &Args) -> Result<Task> {

@@ -8,7 +8,7 @@ use node::scenario::{Scenario, TimingMode};
 use serde::Deserialize;
 use spatial::ports::Role;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Highest priority under SCHED_FIFO.
 const HIGHEST_PRIORITY: i64 = 99;
@@ -27,6 +27,8 @@ struct File {
     url: String,
     #[serde(default = "world_url")]
     sim_url: String,
+    #[serde(default)]
+    keys: Vec<PathBuf>,
     #[serde(rename = "robot-sim")]
     robot: Option<Place>,
     #[serde(rename = "sensor-sim")]
@@ -61,6 +63,8 @@ pub struct CellConfig {
     pub url: String,
     /// LCM URL of the simulated world.
     pub sim_url: String,
+    /// Key files, where they are on each host; the first one signs.
+    pub keys: Vec<PathBuf>,
     /// By role; `None`: something else plays it, such as the driver of a real robot.
     places: [Option<Place>; 3],
 }
@@ -109,6 +113,7 @@ impl CellConfig {
             run_id: file.run_id,
             url: file.url,
             sim_url: file.sim_url,
+            keys: file.keys.iter().map(|key| directory.join(key)).collect(),
             places: [file.robot, file.sensor, file.controller],
         };
         let problems: Vec<_> = [cell.timing(&scenario), cell.urls(), cell.nodes()]

@@ -215,7 +215,11 @@ impl Watch {
         }
         let fault = words(status.fault.name());
         let peer = self.known[status.fault_peer as usize].as_ref();
-        let mismatch = peer.and_then(|peer| greeting::compare(&status.hello, &peer.status).err());
+        let compare = |peer: &NodeStatus| {
+            greeting::compare(&status.hello, peer)?;
+            greeting::compare_keys(status.authenticated, peer)
+        };
+        let mismatch = peer.and_then(|peer| compare(&peer.status).err());
         match (status.fault, mismatch) {
             (Fault::HelloMismatch, Some(mismatch)) => format!("fault: {fault}: {mismatch}"),
             (Fault::HelloMismatch, None) => format!(

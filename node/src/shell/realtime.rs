@@ -1,17 +1,19 @@
 //! What every process does in real time, beside what it does in lockstep: its own clock, its peers, its rights.
 
 use super::Shell;
+use crate::authenticity::{Author, Gate, Refusal, Signed};
 use crate::clock::{self, Clock, HostClock, SkewedClock};
 use crate::flight::{self, FlightRecorder};
 use crate::greeting::role_name;
+use crate::key_file;
 use crate::lockstep::PEER_SILENT;
 use crate::peers::{News, Peers, STATUS_PERIOD};
 use crate::problem::Problem;
 use crate::rights::Wanted;
-use lcmtypes::Lcm;
+use lcmtypes::{Encoded, Lcm};
 use rustix::rand::{GetRandomFlags, getrandom};
 use signal_hook::consts::SIGUSR1;
-use spatial::ports::{ClockEcho, Command, NodeStatus, Role, Stamp};
+use spatial::ports::{ClockEcho, Command, NodeStatus, RobotMode, RobotState, Role, Stamp};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -22,6 +24,10 @@ use std::time::Instant;
 pub struct RealTimeFlags {
     #[command(flatten)]
     wanted: Wanted,
+    /// Real time: sign what this node sends, and take nothing from others that is not signed with the same key
+    /// (`touchdown keygen`); of several the first signs, and all are taken
+    #[arg(long, value_name = "FILE")]
+    key: Vec<PathBuf>,
     /// Real time: where the last seconds are kept when a fault latches, ten files of a role at most [default: beside the
     /// record, else $STATE_DIRECTORY, $XDG_STATE_HOME/touchdown or ~/.local/state/touchdown]
     #[arg(long, value_name = "DIR")]
@@ -58,6 +64,13 @@ pub struct RealTimeFlags {
     clock_step_s: f64,
 }
 
+impl RealTimeFlags {
+    /// Whether messages are to be authenticated.
+    pub(super) fn has_key(&self) -> bool {
+        !self.key.is_empty()
+    }
+}
+
 /// A process in real time.
 pub struct RealTime {
     /// What it has in lockstep, too.
@@ -69,6 +82,12 @@ pub struct RealTime {
     boot_id: i64,
     next_status: Instant,
     echo: ClockEcho,
+    /// With a key.
+    gate: Option<Gate>,
+    /// By author: that nothing of his is taken has been said.
+    refusal_told: [bool; 4],
+    /// The robot's mode as it was published last.
+    mode: RobotMode,
     /// When it is told that peers have not been heard of; `None`: it has been, or all have.
     missing_told: Option<Instant>,
 }
@@ -84,10 +103,17 @@ impl RealTime {
             let directory = told.unwrap_or_else(flight::default_directory);
             shell.flight = Some(FlightRecorder::start(role_name(shell.role), directory));
         }
+        let gate = gate(shell.role, &flags.key)?;
         let boot_id = draw_boot_id()?;
         let started = clock::now();
-        shell.health.be(boot_id, flags.wanted.ask());
-        let peers = Peers::new(shell.role, boot_id, *shell.health.hello(), started);
+        shell.health.be(boot_id, flags.wanted.ask(), gate.is_some());
+        let peers = Peers::new(
+            shell.role,
+            boot_id,
+            *shell.health.hello(),
+            gate.is_some(),
+            started,
+        );
         let clock = SkewedClock {
             clock: HostClock::start(),
             since: started,
@@ -106,8 +132,16 @@ impl RealTime {
             boot_id,
             next_status: started,
             echo: ClockEcho::default(),
+            gate,
+            refusal_told: [false; 4],
+            mode: RobotMode::Idle,
             missing_told: Some(started + PEER_SILENT),
         })
+    }
+
+    /// Whether messages are authenticated.
+    pub fn authenticated(&self) -> bool {
+        self.gate.is_some()
     }
 
     /// Whom the node works with.
@@ -173,6 +207,7 @@ impl RealTime {
             News::Known => None,
             News::Joined(role) => {
                 self.shell.health.forgive_mismatch();
+                self.refusal_told[role as usize] = false;
                 tracing::info!("works with {} from now on", role_name(role));
                 Some(role)
             }
@@ -193,6 +228,56 @@ impl RealTime {
         self.peers.is(role, boot_id)
     }
 
+    /// Publish a message of this node, signed if it has a key; its bytes, to be repeated on request.
+    pub fn publish<M: Signed>(&mut self, link: &Lcm, message: &M) -> Option<Encoded> {
+        let Some(gate) = &mut self.gate else {
+            return self.shell.publish(link, message);
+        };
+        let mut message = *message;
+        gate.sign(&mut message);
+        self.shell.publish(link, &message)
+    }
+
+    /// Publish the robot's state. A robot that has been armed begins another session.
+    pub fn publish_state(&mut self, link: &Lcm, state: &RobotState) {
+        let before = std::mem::replace(&mut self.mode, state.mode);
+        if let Some(gate) = &mut self.gate
+            && state.mode == RobotMode::Armed
+            && before != RobotMode::Armed
+        {
+            gate.renew();
+        }
+        self.publish(link, state);
+    }
+
+    /// Whether to take a message of a process that is worked with, or of whoever asks: without a key always. One that is
+    /// refused counts, and is as good as none.
+    pub fn admits<M: Signed>(&mut self, message: &M) -> bool {
+        let Some(gate) = &mut self.gate else {
+            return true;
+        };
+        let Err(refusal) = gate.admit(message) else {
+            return true;
+        };
+        self.shell.health.link().refused += 1;
+        // Repeated and overtaken messages come by themselves.
+        if matches!(refusal, Refusal::Key { .. } | Refusal::Tag)
+            && !std::mem::replace(&mut self.refusal_told[M::AUTHOR as usize], true)
+        {
+            tracing::warn!(
+                "a message of {} on {} is not taken, as any like it: {refusal}",
+                match M::AUTHOR {
+                    Author::Robot => role_name(Role::Robot),
+                    Author::Sensor => role_name(Role::Sensor),
+                    Author::Controller => role_name(Role::Controller),
+                    Author::Operator => "whoever asks",
+                },
+                M::CHANNEL
+            );
+        }
+        false
+    }
+
     /// Remember the stamps of a command that arrived at `received_at`.
     pub fn take_echo(&mut self, command: &Command, received_at: Instant) {
         if self.works_with(Role::Controller, command.stamp.boot_id) {
@@ -211,6 +296,24 @@ impl RealTime {
             ..self.echo
         }
     }
+}
+
+/// What the node in `role` takes and sends under the keys in `files`; `None`, said loudly: there is none.
+fn gate(role: Role, files: &[PathBuf]) -> anyhow::Result<Option<Gate>> {
+    let Some(keyring) = key_file::read_all(files)? else {
+        tracing::warn!(
+            "messages are NOT authenticated: whoever reaches this LCM URL can command the robot; `touchdown keygen FILE`, and \
+             --key FILE for all nodes"
+        );
+        return Ok(None);
+    };
+    let ids: Vec<_> = keyring.ids().map(|id| format!("{id:08x}")).collect();
+    tracing::info!("signs with key {}, takes {}", ids[0], ids.join(", "));
+    Ok(Some(match role {
+        Role::Robot => Gate::of_robot(keyring, &key_file::draw_secret()?),
+        Role::Sensor => Gate::new(keyring, Author::Sensor),
+        Role::Controller => Gate::new(keyring, Author::Controller),
+    }))
 }
 
 /// A boot id: positive and at random.

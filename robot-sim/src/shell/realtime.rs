@@ -108,7 +108,7 @@ impl Robot {
         let mut state = self.robot.state();
         state.stamp = self.node.stamp(tick, sampled);
         state.echo = self.node.echo();
-        self.node.shell.publish(&self.device, &state);
+        self.node.publish_state(&self.device, &state);
     }
 
     /// The tool's motion at `tick`, for which `message` asks; it is repeated until the sensor's side answers.
@@ -193,7 +193,7 @@ impl Robot {
     }
 
     fn take_deflections(&mut self, deflections: &Deflections) {
-        if self.node.works_with(Role::Sensor, deflections.stamp.boot_id) {
+        if self.node.works_with(Role::Sensor, deflections.stamp.boot_id) && self.node.admits(deflections) {
             self.robot.sense(deflections);
         }
     }
@@ -201,6 +201,9 @@ impl Robot {
     fn take_command(&mut self, command: &Command, received_at: Instant) {
         if !self.node.works_with(Role::Controller, command.stamp.boot_id) {
             self.node.shell.health.link().refused += 1;
+            return;
+        }
+        if !self.node.admits(command) {
             return;
         }
         self.node.take_echo(command, received_at);
@@ -230,7 +233,7 @@ impl Robot {
     }
 
     fn take_task(&mut self, task: &Task) {
-        if task.action == TaskAction::Reset && self.robot.reset() {
+        if self.node.admits(task) && task.action == TaskAction::Reset && self.robot.reset() {
             tracing::info!("the fault is cleared");
             self.node.shell.health.forgive();
         }

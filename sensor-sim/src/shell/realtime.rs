@@ -41,7 +41,9 @@ pub(super) fn run(flags: &Flags, mut node: RealTime) -> anyhow::Result<Shell> {
             node.hear(&message);
         }
         while let Some(Received { message, received_at }) = commands.take() {
-            node.take_echo(&message, received_at);
+            if node.works_with(Role::Controller, message.stamp.boot_id) && node.admits(&message) {
+                node.take_echo(&message, received_at);
+            }
         }
         while let Some(Received { message, received_at }) = links.take() {
             answer(&mut sensor, &mut node, [&device, &world], &message, received_at);
@@ -118,7 +120,7 @@ fn publish(
     let (mut tool_motion, mut truth) = (outputs.tool_motion, outputs.truth);
     (tool_motion.stamp, truth.stamp) = (stamp, stamp);
     [
-        node.shell.publish(device, &deflections),
+        node.publish(device, &deflections),
         object_pose.and_then(|pose| node.shell.publish(device, &pose)),
         node.shell.publish(world, &tool_motion),
         node.shell.publish(world, &truth),

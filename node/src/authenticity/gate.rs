@@ -1,0 +1,199 @@
+//! What a node sends and takes under a key.
+//!
+//! A tag alone would be as good when it comes a second time. Hence the robot draws a *session*, which the others repeat: the
+//! controller takes it from the robot's states, the sensor from the controller's commands. A receiver takes what belongs to
+//! the present session or the one before, each number of a sender at most once, and in order. What the robot executes is so of
+//! a session that it has drawn itself since the sender's process has joined.
+
+use super::askers::Askers;
+use super::keys::{HmacSha256, KEY_BYTES, Keyring, keyed};
+use super::{Author, Signed};
+use hmac::Mac;
+use spatial::ports::Authenticity;
+use thiserror::Error;
+
+/// Why a message is as good as none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum Refusal {
+    /// Not signed, or with a key that this node does not have.
+    #[error("{}; give all nodes the same --key FILE", unknown(*.found))]
+    Key {
+        /// Id of the key, 0: not signed.
+        found: i32,
+    },
+    /// The tag is not that of the message.
+    #[error("its tag is wrong: it is forged, or altered on its way, or for another channel")]
+    Tag,
+    /// It belongs to no session that counts.
+    #[error("it belongs to session {found:x}, which is over or not known")]
+    Session {
+        /// The session.
+        found: i64,
+    },
+    /// It has been heard, or a later one has.
+    #[error("it is number {found} of its sender, which is not later than {last}: repeated, or overtaken")]
+    Old {
+        /// Its number.
+        found: i64,
+        /// The last one taken.
+        last: i64,
+    },
+}
+
+fn unknown(key_id: i32) -> String {
+    match key_id {
+        0 => "it is not signed".to_owned(),
+        _ => format!("it is signed with key {key_id:08x}, which this node does not have"),
+    }
+}
+
+/// The present session and the one before; 0: none.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sessions {
+    present: i64,
+    previous: i64,
+    /// How many there have been: the present one's number.
+    count: u64,
+}
+
+impl Sessions {
+    fn begin(&mut self, session: i64) {
+        if session != self.present {
+            (self.previous, self.present) = (self.present, session);
+            self.count += 1;
+        }
+    }
+
+    /// The number of `session`, if it counts.
+    fn number(&self, session: i64) -> Option<u64> {
+        match session {
+            0 => None,
+            _ if session == self.present => Some(self.count),
+            _ if session == self.previous => Some(self.count - 1),
+            _ => None,
+        }
+    }
+}
+
+/// What has been heard of a peer.
+#[derive(Clone, Copy, Debug, Default)]
+struct Peer {
+    boot_id: i64,
+    /// Number of the session from which on it is listened to.
+    since: u64,
+    /// Last number taken.
+    seq: i64,
+}
+
+/// What a node sends and takes under a key.
+#[derive(Clone, Debug)]
+pub struct Gate {
+    keyring: Keyring,
+    own: Author,
+    /// The robot's: what it draws sessions with.
+    source: Option<HmacSha256>,
+    sessions: Sessions,
+    seq: i64,
+    /// By author.
+    peers: [Peer; 3],
+    askers: Askers,
+}
+
+impl Gate {
+    /// The robot's, which draws sessions from `secret`: random bytes of this process alone.
+    pub fn of_robot(keyring: Keyring, secret: &[u8; KEY_BYTES]) -> Self {
+        let mut gate = Self::new(keyring, Author::Robot);
+        gate.source = Some(keyed(secret));
+        gate.renew();
+        gate
+    }
+
+    /// Sensor's or controller's.
+    pub fn new(keyring: Keyring, own: Author) -> Self {
+        Self {
+            keyring,
+            own,
+            source: None,
+            sessions: Sessions::default(),
+            seq: 0,
+            peers: [Peer::default(); 3],
+            askers: Askers::default(),
+        }
+    }
+
+    /// Of somebody who asks from `utime` (us, wall clock) on: his numbers are instants, so that those of all askers are comparable.
+    pub fn of_operator(keyring: Keyring, utime: i64) -> Self {
+        let mut gate = Self::new(keyring, Author::Operator);
+        gate.seq = utime;
+        gate
+    }
+
+    /// The present session, 0: not known yet.
+    pub fn session(&self) -> i64 {
+        self.sessions.present
+    }
+
+    /// The robot begins another session.
+    pub fn renew(&mut self) {
+        if let Some(source) = &self.source {
+            let drawn = source.clone().chain_update(self.sessions.count.to_be_bytes());
+            let [a, b, c, d, e, f, g, h, ..] = <[u8; 32]>::from(drawn.finalize().into_bytes());
+            let session = i64::from_be_bytes([a, b, c, d, e, f, g, h]) & i64::MAX;
+            self.sessions.begin(session.max(1));
+        }
+    }
+
+    /// Sign an own message as the next one of the present session.
+    pub fn sign<M: Signed>(&mut self, message: &mut M) {
+        self.seq += 1;
+        self.keyring.sign(message, self.sessions.present, self.seq);
+    }
+
+    /// Take a message that has come, or say why it is as good as none. Peers' are those of a process that is worked with.
+    pub fn admit<M: Signed>(&mut self, message: &M) -> Result<(), Refusal> {
+        self.keyring.verify(message)?;
+        let Authenticity { session, seq, .. } = *message.authenticity();
+        let boot_id = message.stamp().boot_id;
+        let number = self.sessions.number(session);
+        let over = Refusal::Session { found: session };
+        if M::AUTHOR == Author::Operator {
+            number.ok_or(over)?;
+            let new = self.askers.admit(boot_id, seq);
+            return new.then_some(()).ok_or(Refusal::Old {
+                found: seq,
+                last: seq,
+            });
+        }
+        if self.peers[M::AUTHOR as usize].boot_id != boot_id {
+            self.meet(M::AUTHOR, boot_id);
+        }
+        let peer = &mut self.peers[M::AUTHOR as usize];
+        if seq <= peer.seq {
+            let last = peer.seq;
+            return Err(Refusal::Old { found: seq, last });
+        }
+        let teaches = match self.own {
+            Author::Robot => false,
+            Author::Controller | Author::Operator => M::AUTHOR == Author::Robot,
+            Author::Sensor => M::AUTHOR == Author::Controller,
+        };
+        if teaches && session != 0 {
+            self.sessions.begin(session);
+        } else if number.is_none_or(|number| number < peer.since) {
+            return Err(over);
+        }
+        peer.seq = seq;
+        Ok(())
+    }
+
+    /// Another process: it begins to count anew. What it may have said before this robot does not take again.
+    fn meet(&mut self, author: Author, boot_id: i64) {
+        self.renew();
+        let since = match self.own {
+            Author::Robot => self.sessions.count,
+            _ => 0,
+        };
+        let seq = 0;
+        self.peers[author as usize] = Peer { boot_id, since, seq };
+    }
+}
