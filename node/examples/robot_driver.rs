@@ -200,17 +200,13 @@ impl<D: Drives> Driver<D> {
     }
 
     fn take_deflections(&mut self, deflections: &Deflections) {
-        if self.node.works_with(Role::Sensor, deflections.stamp.boot_id) && self.node.admits(deflections) {
+        if self.node.admits(deflections) {
             self.commanded.sense(self.tick, deflections);
         }
     }
 
     fn take_command(&mut self, received: &Received<Command>) {
         let command = &received.message;
-        if !self.node.works_with(Role::Controller, command.stamp.boot_id) {
-            self.node.shell.health.link().refused += 1;
-            return;
-        }
         if !self.node.admits(command) {
             return;
         }

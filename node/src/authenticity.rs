@@ -4,7 +4,6 @@
 //! sent once and again is told by the *session*, a number that the robot draws, and by `seq`, which increases ([`Gate`]). The
 //! contract is in `lcmtypes/README.md`.
 
-mod askers;
 mod gate;
 mod keys;
 
@@ -12,7 +11,7 @@ pub use gate::{Gate, Refusal};
 pub use keys::{KEY_BYTES, Key, Keyring};
 
 use lcmtypes::Message;
-use spatial::ports::{Authenticity, Command, Deflections, RobotState, Task};
+use spatial::ports::{Authenticity, Command, Deflections, RobotState, Role, Task};
 
 /// Who signs a message: each with a key of its own, derived from the one of the cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +34,16 @@ impl Author {
         "touchdown controller",
         "touchdown operator",
     ];
+
+    /// The node that it is, if it is one.
+    pub fn role(self) -> Option<Role> {
+        match self {
+            Self::Robot => Some(Role::Robot),
+            Self::Sensor => Some(Role::Sensor),
+            Self::Controller => Some(Role::Controller),
+            Self::Operator => None,
+        }
+    }
 }
 
 /// A message that ends with `session`, `seq`, `key_id` and `tag`.

@@ -127,10 +127,7 @@ impl Node {
     fn take_state(&mut self, received: &Received<RobotState>) {
         let Received { message, received_at } = received;
         let step = message.stamp.step;
-        if !self.works() || !self.process.works_with(Role::Robot, message.stamp.boot_id) {
-            return;
-        }
-        if !self.process.admits(message) {
+        if !self.works() || !self.process.admits(message) {
             return;
         }
         let arrived = self.process.utime(*received_at);
@@ -147,10 +144,7 @@ impl Node {
     fn take_deflections(&mut self, received: &Received<Deflections>) {
         let Received { message, received_at } = received;
         let step = message.stamp.step;
-        if !self.works() || !self.process.works_with(Role::Sensor, message.stamp.boot_id) {
-            return;
-        }
-        if !self.process.admits(message) {
+        if !self.works() || !self.process.admits(message) {
             return;
         }
         let arrived = self.process.utime(*received_at);

@@ -4,8 +4,8 @@ use super::{FAILED, WrongUsage, print, print_json};
 use anyhow::{Context, Result, bail};
 use experiment::up::CellConfig;
 use lcmtypes::{Group, Lcm, LcmBuilder, Subscription};
-use node::authenticity::Gate;
-use node::clock::{self, Clock, HostClock};
+use node::authenticity::{Author, Gate};
+use node::clock;
 use node::key_file;
 use rustix::rand::{GetRandomFlags, getrandom};
 use serde::Serialize;
@@ -138,8 +138,7 @@ impl Args {
             Some(path) if self.key.is_empty() => CellConfig::load(path)?.keys,
             _ => self.key.clone(),
         };
-        let utime = HostClock::start().utime(clock::now());
-        Ok(key_file::read_all(&files)?.map(|keyring| Gate::of_operator(keyring, utime)))
+        Ok(key_file::read_all(&files)?.map(|keyring| Gate::new(keyring, Author::Operator)))
     }
 }
 

@@ -3,14 +3,17 @@
 //! A tag alone would be as good when it comes a second time. Hence the robot draws a *session*, which the others repeat: the
 //! controller takes it from the robot's states, the sensor from the controller's commands. A receiver takes what belongs to
 //! the present session or the one before, each number of a sender at most once, and in order. What the robot executes is so of
-//! a session that it has drawn itself since the sender's process has joined.
+//! a session that it has drawn itself since the sender's process has joined. Who asks counts on from the robot's numbers, so
+//! that those of all askers are comparable, and a request is soon too old.
 
-use super::askers::Askers;
 use super::keys::{HmacSha256, KEY_BYTES, Keyring, keyed};
 use super::{Author, Signed};
 use hmac::Mac;
 use spatial::ports::Authenticity;
 use thiserror::Error;
+
+/// A request is good for so many states of the robot.
+const REQUEST_STATES: u64 = 500;
 
 /// Why a message is as good as none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -37,6 +40,16 @@ pub enum Refusal {
         found: i64,
         /// The last one taken.
         last: i64,
+    },
+    /// A request that is not of now.
+    #[error(
+        "it was asked for at state {found} of the robot, which is at {newest}, more than {REQUEST_STATES} away"
+    )]
+    Late {
+        /// Its number.
+        found: i64,
+        /// The newest one of the robot.
+        newest: i64,
     },
 }
 
@@ -75,9 +88,10 @@ impl Sessions {
     }
 }
 
-/// What has been heard of a peer.
+/// What has been heard of an author.
 #[derive(Clone, Copy, Debug, Default)]
 struct Peer {
+    /// Of which process: of those who ask, the robot's, whose numbers theirs are.
     boot_id: i64,
     /// Number of the session from which on it is listened to.
     since: u64,
@@ -95,8 +109,7 @@ pub struct Gate {
     sessions: Sessions,
     seq: i64,
     /// By author.
-    peers: [Peer; 3],
-    askers: Askers,
+    peers: [Peer; 4],
 }
 
 impl Gate {
@@ -108,7 +121,7 @@ impl Gate {
         gate
     }
 
-    /// Sensor's or controller's.
+    /// That of anyone else.
     pub fn new(keyring: Keyring, own: Author) -> Self {
         Self {
             keyring,
@@ -116,16 +129,8 @@ impl Gate {
             source: None,
             sessions: Sessions::default(),
             seq: 0,
-            peers: [Peer::default(); 3],
-            askers: Askers::default(),
+            peers: [Peer::default(); 4],
         }
-    }
-
-    /// Of somebody who asks from `utime` (us, wall clock) on: his numbers are instants, so that those of all askers are comparable.
-    pub fn of_operator(keyring: Keyring, utime: i64) -> Self {
-        let mut gate = Self::new(keyring, Author::Operator);
-        gate.seq = utime;
-        gate
     }
 
     /// The present session, 0: not known yet.
@@ -145,7 +150,10 @@ impl Gate {
 
     /// Sign an own message as the next one of the present session.
     pub fn sign<M: Signed>(&mut self, message: &mut M) {
-        self.seq += 1;
+        self.seq = match self.own {
+            Author::Operator => self.newest_state().max(self.seq.saturating_add(1)),
+            _ => self.seq.saturating_add(1),
+        };
         self.keyring.sign(message, self.sessions.present, self.seq);
     }
 
@@ -153,16 +161,13 @@ impl Gate {
     pub fn admit<M: Signed>(&mut self, message: &M) -> Result<(), Refusal> {
         self.keyring.verify(message)?;
         let Authenticity { session, seq, .. } = *message.authenticity();
-        let boot_id = message.stamp().boot_id;
-        let number = self.sessions.number(session);
-        let over = Refusal::Session { found: session };
-        if M::AUTHOR == Author::Operator {
-            number.ok_or(over)?;
-            let new = self.askers.admit(boot_id, seq);
-            return new.then_some(()).ok_or(Refusal::Old {
-                found: seq,
-                last: seq,
-            });
+        let boot_id = match M::AUTHOR {
+            Author::Operator => self.peers[Author::Robot as usize].boot_id,
+            _ => message.stamp().boot_id,
+        };
+        let newest = self.newest_state();
+        if M::AUTHOR == Author::Operator && seq.abs_diff(newest) > REQUEST_STATES {
+            return Err(Refusal::Late { found: seq, newest });
         }
         if self.peers[M::AUTHOR as usize].boot_id != boot_id {
             self.meet(M::AUTHOR, boot_id);
@@ -179,20 +184,37 @@ impl Gate {
         };
         if teaches && session != 0 {
             self.sessions.begin(session);
-        } else if number.is_none_or(|number| number < peer.since) {
-            return Err(over);
+        } else if self
+            .sessions
+            .number(session)
+            .is_none_or(|number| number < peer.since)
+        {
+            return Err(Refusal::Session { found: session });
         }
         peer.seq = seq;
         Ok(())
     }
 
-    /// Another process: it begins to count anew. What it may have said before this robot does not take again.
+    /// Number of the robot's newest state.
+    fn newest_state(&self) -> i64 {
+        match self.own {
+            Author::Robot => self.seq,
+            _ => self.peers[Author::Robot as usize].seq,
+        }
+    }
+
+    /// Another process: it begins to count anew. What it may have said before is not taken again: by the robot nothing of a session
+    /// that it has not drawn since, by the others nothing of the one before.
     fn meet(&mut self, author: Author, boot_id: i64) {
         self.renew();
-        let since = match self.own {
-            Author::Robot => self.sessions.count,
-            _ => 0,
-        };
+        let mut since = 0;
+        match self.own {
+            Author::Robot => since = self.sessions.count,
+            _ => self.sessions.previous = 0,
+        }
+        if (self.own, author) == (Author::Operator, Author::Robot) {
+            self.seq = 0;
+        }
         let seq = 0;
         self.peers[author as usize] = Peer { boot_id, since, seq };
     }

@@ -1,144 +1,10 @@
+mod cell;
+mod recorded;
+
 use super::*;
 use crate::scenario::Scenario;
-use lcmtypes::Encoded;
-use spatial::kinematics::Axes;
-use spatial::ports::{
-    ClockEcho, DeflectionSample, ENCODER_SAMPLES, Fault, HORIZON, RobotMode, Stamp, TaskAction,
-};
-
-/// 0, 1, 2, ...
-fn secret() -> [u8; KEY_BYTES] {
-    std::array::from_fn(|i| i as u8)
-}
-
-fn keyring(secret: [u8; KEY_BYTES]) -> Keyring {
-    Keyring::new(Key::new(&secret), Vec::new())
-}
-
-fn stamp(step: i64, boot_id: i64) -> Stamp {
-    Stamp {
-        step,
-        utime: 1000 * step,
-        boot_id,
-    }
-}
-
-fn state(step: i64, boot_id: i64) -> RobotState {
-    RobotState {
-        stamp: stamp(step, boot_id),
-        sample_count: 1,
-        axis_position: [Axes::repeat(0.25); ENCODER_SAMPLES],
-        axis_velocity: Axes::zeros(),
-        axis_setpoint: Axes::zeros(),
-        mode: RobotMode::Idle,
-        fault: Fault::None,
-        fault_axis: -1,
-        command_step: -1,
-        missed_commands: 0,
-        echo: ClockEcho::default(),
-        authenticity: Authenticity::default(),
-    }
-}
-
-fn deflections(step: i64, boot_id: i64) -> Deflections {
-    Deflections {
-        stamp: stamp(step, boot_id),
-        samples: [DeflectionSample::default(); 8],
-        echo: ClockEcho::default(),
-        authenticity: Authenticity::default(),
-    }
-}
-
-fn command(step: i64, boot_id: i64) -> Command {
-    Command {
-        stamp: stamp(step, boot_id),
-        enable: true,
-        axis_position: [Axes::repeat(0.25); HORIZON],
-        send_utime: 1000 * step,
-        authenticity: Authenticity::default(),
-    }
-}
-
-fn task(step: i64, boot_id: i64) -> Task {
-    Task {
-        stamp: stamp(step, boot_id),
-        action: TaskAction::Start,
-        ..Task::default()
-    }
-}
-
-/// A cell whose nodes have the boot ids 1, 2, 3, and somebody who asks, with 4.
-struct Cell {
-    robot: Gate,
-    sensor: Gate,
-    controller: Gate,
-    operator: Gate,
-    step: i64,
-}
-
-/// What is said in a period.
-struct Said {
-    state: RobotState,
-    command: Command,
-    deflections: Deflections,
-    task: Task,
-}
-
-impl Cell {
-    fn new() -> Self {
-        let keyring = keyring(secret());
-        Self {
-            robot: Gate::of_robot(keyring.clone(), &[7; KEY_BYTES]),
-            sensor: Gate::new(keyring.clone(), Author::Sensor),
-            controller: Gate::new(keyring.clone(), Author::Controller),
-            operator: Gate::of_operator(keyring, 1_000_000),
-            step: 0,
-        }
-    }
-
-    /// Everybody speaks once, in the order of a period, `controller` as that process; nobody listens yet.
-    fn say(&mut self, controller: i64) -> Said {
-        self.step += 4;
-        let mut state = state(self.step, 1);
-        self.robot.sign(&mut state);
-        let mut command = command(self.step, controller);
-        self.controller.sign(&mut command);
-        let mut deflections = deflections(self.step, 2);
-        self.sensor.sign(&mut deflections);
-        let mut task = task(self.step, 4);
-        self.operator.sign(&mut task);
-        Said {
-            state,
-            command,
-            deflections,
-            task,
-        }
-    }
-
-    /// Everybody hears; whether each took what it should.
-    fn hear(&mut self, said: &Said) -> [Result<(), Refusal>; 7] {
-        let states = [&mut self.controller, &mut self.operator].map(|gate| gate.admit(&said.state));
-        let [controller, operator] = states;
-        [
-            controller,
-            operator.and(self.controller.admit(&said.task)),
-            self.controller.admit(&said.deflections),
-            self.sensor.admit(&said.command),
-            self.robot.admit(&said.command),
-            self.robot.admit(&said.deflections),
-            self.robot.admit(&said.task),
-        ]
-    }
-
-    /// Periods until all is taken.
-    fn settle(&mut self, controller: i64) -> usize {
-        let settled = (0..20).find(|_| {
-            let said = self.say(controller);
-            self.hear(&said).iter().all(Result::is_ok)
-        });
-        settled.unwrap()
-    }
-}
+use cell::{Cell, command, deflections, keyring, secret, state, task};
+use spatial::ports::{HORIZON, RobotMode};
 
 /// `UPDATE_GOLDEN=1 cargo test -p node` writes them anew; then nobody's keys agree any more.
 #[test]
@@ -162,71 +28,6 @@ fn the_tags_are_those_of_the_contract() {
         std::fs::write(path, &found).unwrap();
     }
     assert_eq!(found, std::fs::read_to_string(path).unwrap());
-}
-
-/// Every bit of every message of some periods.
-#[test]
-fn no_bit_can_be_changed() {
-    fn flip<M: Signed>(gate: &Gate, message: &M) {
-        let encoded: Encoded = message.encode().unwrap();
-        assert_eq!(gate.clone().admit(message), Ok(()));
-        for bit in 0..8 * encoded.as_bytes().len() {
-            let mut bytes = encoded.as_bytes().to_vec();
-            bytes[bit / 8] ^= 1 << (bit % 8);
-            // What can be decoded is another message, or the same one said otherwise.
-            if let Ok(altered) = M::decode(&bytes) {
-                assert_eq!(
-                    altered.encode().unwrap().as_bytes(),
-                    bytes,
-                    "{} bit {bit}",
-                    M::CHANNEL
-                );
-                let refused = gate.clone().admit(&altered);
-                assert!(
-                    matches!(refused, Err(Refusal::Tag | Refusal::Key { .. })),
-                    "{} bit {bit}: {refused:?}",
-                    M::CHANNEL
-                );
-            }
-        }
-        for length in 0..encoded.as_bytes().len() {
-            assert!(M::decode(&encoded.as_bytes()[..length]).is_err());
-        }
-    }
-    let mut cell = Cell::new();
-    cell.settle(3);
-    for _ in 0..2 {
-        let said = cell.say(3);
-        flip(&cell.controller, &said.state);
-        flip(&cell.robot, &said.command);
-        flip(&cell.sensor, &said.command);
-        flip(&cell.controller, &said.deflections);
-        flip(&cell.robot, &said.task);
-        assert!(cell.hear(&said).iter().all(Result::is_ok));
-    }
-}
-
-#[test]
-fn a_cell_begins_within_some_periods_and_nothing_is_taken_twice() {
-    let mut cell = Cell::new();
-    assert!(cell.settle(3) <= 4);
-    let mut said = Vec::new();
-    for period in 0..50 {
-        if period == 20 {
-            // Armed: the others follow within a period or two, and nothing is lost meanwhile.
-            cell.robot.renew();
-        }
-        let now = cell.say(3);
-        assert_eq!(cell.hear(&now), [Ok(()); 7], "period {period}");
-        said.push(now);
-    }
-    for old in &said {
-        assert!(
-            cell.hear(old).iter().all(Result::is_err),
-            "step {}",
-            old.state.stamp.step
-        );
-    }
 }
 
 #[test]
@@ -270,6 +71,94 @@ fn what_an_earlier_process_has_said_is_not_executed_again() {
     for said in &early {
         assert!(restarted.admit(&said.command).is_err());
         assert!(restarted.admit(&said.task).is_err());
+    }
+}
+
+/// Of a process that came and went before, where the robot has not noticed or is not heard.
+#[test]
+fn a_sensor_that_was_replaced_is_not_heard_again() {
+    let mut cell = Cell::new();
+    cell.settle(3);
+    let mut early = cell.say(3).deflections;
+    cell.sensor.sign(&mut early);
+    let mut sensor = Gate::new(keyring(secret()), Author::Sensor);
+    std::mem::swap(&mut sensor, &mut cell.sensor);
+    let mut from_another = || {
+        cell.step += 4;
+        let mut command = command(cell.step, 3);
+        cell.controller.sign(&mut command);
+        cell.sensor.admit(&command).unwrap();
+        let mut deflections = deflections(cell.step, 22);
+        cell.sensor.sign(&mut deflections);
+        let mut state = state(cell.step, 1);
+        cell.robot.sign(&mut state);
+        cell.controller.admit(&state).unwrap();
+        [
+            cell.robot.admit(&deflections),
+            cell.controller.admit(&deflections),
+        ]
+    };
+    assert!((0..4).any(|_| from_another() == [Ok(()); 2]));
+    let refused = cell.controller.admit(&early);
+    assert!(matches!(refused, Err(Refusal::Session { .. })), "{refused:?}");
+    assert!(cell.robot.admit(&early).is_err());
+}
+
+#[test]
+fn who_asks_is_heard_beside_others_and_after_another_robot_has_come() {
+    let mut cell = Cell::new();
+    cell.settle(3);
+    let mut second = Gate::new(keyring(secret()), Author::Operator);
+    for _ in 0..100 {
+        let said = cell.say(3);
+        assert_eq!(cell.hear(&said), [Ok(()); 7]);
+        second.admit(&said.state).unwrap();
+    }
+    let mut asked = task(1, 5);
+    second.sign(&mut asked);
+    let said = cell.say(3);
+    assert_eq!(cell.hear(&said), [Ok(()); 7]);
+    // Asked in the same period as the first one, it has to be repeated.
+    assert!(matches!(cell.controller.admit(&asked), Err(Refusal::Old { .. })));
+    second.admit(&said.state).unwrap();
+    second.sign(&mut asked);
+    second.sign(&mut asked);
+    assert_eq!(
+        [cell.controller.admit(&asked), cell.robot.admit(&asked)],
+        [Ok(()); 2]
+    );
+
+    cell.robot = Gate::of_robot(keyring(secret()), &[8; KEY_BYTES]);
+    let robot = 11;
+    let period = |cell: &mut Cell| {
+        let mut said = cell.say(3);
+        said.state.stamp.boot_id = robot;
+        cell.robot.sign(&mut said.state);
+        cell.hear(&said).iter().all(Result::is_ok)
+    };
+    assert!((0..8).any(|_| period(&mut cell)));
+}
+
+/// One that nobody has heard, and that somebody has kept.
+#[test]
+fn a_request_is_soon_too_old() {
+    let mut cell = Cell::new();
+    cell.settle(3);
+    let kept = cell.say(3).task;
+    for period in 0..600 {
+        let mut state = state(cell.step, 1);
+        cell.robot.sign(&mut state);
+        cell.controller.admit(&state).unwrap();
+        if period < 400 {
+            assert_eq!(cell.robot.clone().admit(&kept), Ok(()));
+            assert_eq!(cell.controller.clone().admit(&kept), Ok(()));
+        }
+    }
+    for gate in [&mut cell.robot, &mut cell.controller] {
+        assert!(matches!(gate.admit(&kept), Err(Refusal::Late { .. })));
+        let mut ahead = task(2, 4);
+        keyring(secret()).sign(&mut ahead, gate.session(), i64::MAX);
+        assert!(matches!(gate.admit(&ahead), Err(Refusal::Late { .. })));
     }
 }
 

@@ -238,25 +238,30 @@ impl RealTime {
         self.shell.publish(link, &message)
     }
 
-    /// Publish the robot's state. A robot that has been armed begins another session.
+    /// Publish the robot's state. A robot that is armed begins another session.
     pub fn publish_state(&mut self, link: &Lcm, state: &RobotState) {
         let before = std::mem::replace(&mut self.mode, state.mode);
         if let Some(gate) = &mut self.gate
-            && state.mode == RobotMode::Armed
-            && before != RobotMode::Armed
+            && before == RobotMode::Idle
+            && state.mode != RobotMode::Idle
         {
             gate.renew();
         }
         self.publish(link, state);
     }
 
-    /// Whether to take a message of a process that is worked with, or of whoever asks: without a key always. One that is
-    /// refused counts, and is as good as none.
+    /// Whether to take a message: of the process that is worked with as its author, or of whoever asks, and with a key only
+    /// what is signed and new. One that is not taken counts, and is as good as none.
     pub fn admits<M: Signed>(&mut self, message: &M) -> bool {
-        let Some(gate) = &mut self.gate else {
-            return true;
-        };
-        let Err(refusal) = gate.admit(message) else {
+        let boot_id = message.stamp().boot_id;
+        if let Some(role) = M::AUTHOR.role()
+            && self.peers.boot_id(role) != Some(boot_id)
+        {
+            // Before anybody is known, who speaks is no stranger.
+            self.shell.health.link().refused += i64::from(self.peers.boot_id(role).is_some());
+            return false;
+        }
+        let Some(Err(refusal)) = self.gate.as_mut().map(|gate| gate.admit(message)) else {
             return true;
         };
         self.shell.health.link().refused += 1;
@@ -266,24 +271,17 @@ impl RealTime {
         {
             tracing::warn!(
                 "a message of {} on {} is not taken, as any like it: {refusal}",
-                match M::AUTHOR {
-                    Author::Robot => role_name(Role::Robot),
-                    Author::Sensor => role_name(Role::Sensor),
-                    Author::Controller => role_name(Role::Controller),
-                    Author::Operator => "whoever asks",
-                },
+                M::AUTHOR.role().map_or("whoever asks", role_name),
                 M::CHANNEL
             );
         }
         false
     }
 
-    /// Remember the stamps of a command that arrived at `received_at`.
+    /// Remember the stamps of a command that was taken, and arrived at `received_at`.
     pub fn take_echo(&mut self, command: &Command, received_at: Instant) {
-        if self.works_with(Role::Controller, command.stamp.boot_id) {
-            self.echo.command_send_utime = command.send_utime;
-            self.echo.receive_utime = self.utime(received_at);
-        }
+        self.echo.command_send_utime = command.send_utime;
+        self.echo.receive_utime = self.utime(received_at);
     }
 
     /// What a message that is sent now tells the controller of its own clock.
