@@ -3,17 +3,21 @@
 use crate::cell::{Bench, signal};
 use crate::hosts::Hosts;
 use crate::relay::{Impairment, Relay};
+use crossbeam::channel::RecvError;
 use crossbeam::select;
 use experiment::launch::Cell;
 use experiment::transcript::{self, Entry};
-use lcmtypes::{Lcm, LcmBuilder, Subscription};
-use node::clock;
+use lcmtypes::{Lcm, LcmBuilder, Received, Subscription};
+use node::authenticity::{Author, Gate, Signed};
+use node::{clock, key_file};
 use rustix::process::Signal;
+use spatial::TICK_S;
 use spatial::ports::{
-    Command, ControllerPhase, ControllerStatus, NodeStatus, RobotMode, RobotState, Role, Stamp, Task,
-    TaskAction, Truth,
+    Command, ControllerPhase, ControllerStatus, Deflections, NodeStatus, RobotMode, RobotState, Role, Stamp,
+    Task, TaskAction, Truth,
 };
 use std::error::Error;
+use std::path::Path;
 use std::time::Duration;
 
 /// Whoever asks by `TASK`.
@@ -36,6 +40,8 @@ pub struct Site {
     device: Lcm,
     subscriptions: Subscriptions,
     asked: i64,
+    /// What requests are signed with.
+    operator: Option<Gate>,
     _others: [Lcm; 2],
     _world_relay: Relay,
 }
@@ -53,6 +59,8 @@ pub struct Setting<'a> {
     pub flags: [&'a [&'a str]; 3],
     /// A host for each program; `None`: all on this one.
     pub hosts: Option<&'a Hosts>,
+    /// Key file of all programs, and of who asks.
+    pub key: Option<&'a Path>,
 }
 
 impl Default for Setting<'_> {
@@ -63,6 +71,7 @@ impl Default for Setting<'_> {
             impairment: Impairment::default(),
             flags: [&[], &[], &[]],
             hosts: None,
+            key: None,
         }
     }
 }
@@ -70,6 +79,7 @@ impl Default for Setting<'_> {
 struct Subscriptions {
     states: Subscription<RobotState>,
     commands: Subscription<Command>,
+    deflections: Subscription<Deflections>,
     controllers: Subscription<ControllerStatus>,
     nodes: Subscription<NodeStatus>,
     truths: Subscription<Truth>,
@@ -82,6 +92,8 @@ pub struct Heard {
     pub robot: Option<RobotState>,
     /// `ROBOT_COMMAND`.
     pub command: Option<Command>,
+    /// `SENSOR_DEFLECTION`.
+    pub deflections: Option<Deflections>,
     /// `CONTROLLER_STATUS`.
     pub controller: Option<ControllerStatus>,
     /// `NODE_STATUS` by role.
@@ -90,8 +102,14 @@ pub struct Heard {
     pub truth: Option<Truth>,
     /// Largest contact force, N.
     pub peak_n: f64,
+    /// Smallest and largest contact force, N.
+    pub force_n: [f64; 2],
     /// Largest speed of an axis, rad/s.
     pub speed_rad_per_s: f64,
+    /// Largest speed of the servos' set-point of an axis, rad/s.
+    pub set_point_rad_per_s: f64,
+    /// The robot's states, each as often as it was come into.
+    pub modes: Vec<RobotMode>,
     /// Tick of the last command that the robot took, and tick at which it was first seen at rest with a fault.
     pub stopped: Option<[i64; 2]>,
 }
@@ -100,6 +118,8 @@ impl Heard {
     /// Forget what has happened until now.
     pub fn mark(&mut self) {
         (self.peak_n, self.speed_rad_per_s, self.stopped) = (0.0, 0.0, None);
+        (self.force_n, self.set_point_rad_per_s) = ([f64::INFINITY, f64::NEG_INFINITY], 0.0);
+        self.modes.clear();
     }
 
     /// Phase of the controller.
@@ -112,11 +132,22 @@ impl Heard {
         if state.mode == RobotMode::Fault && self.stopped.is_none() {
             self.stopped = Some([state.command_step, state.stamp.step]);
         }
+        if let Some(before) = self.robot {
+            // States may be lost.
+            let ticks = (state.stamp.step - before.stamp.step).max(1) as f64;
+            let gone_rad = (state.axis_setpoint - before.axis_setpoint).amax();
+            self.set_point_rad_per_s = self.set_point_rad_per_s.max(gone_rad / (ticks * TICK_S));
+        }
+        if self.modes.last() != Some(&state.mode) {
+            self.modes.push(state.mode);
+        }
         self.robot = Some(*state);
     }
 
     fn take_truth(&mut self, truth: &Truth) {
         self.peak_n = self.peak_n.max(truth.contact_force_peak_n);
+        let [least, most] = self.force_n;
+        self.force_n = [least.min(truth.contact_force.z), most.max(truth.contact_force.z)];
         self.truth = Some(*truth);
     }
 }
@@ -130,6 +161,11 @@ impl Site {
         let [device, world] = bench.separate()?;
         let flags = |flags: &[&str]| flags.iter().map(|&flag| flag.to_owned()).collect();
         bench.plan.flags = setting.flags.map(flags);
+        let keys = setting.key.map(Path::to_path_buf);
+        let keyring = key_file::read_all(keys.as_slice())?;
+        for (flags, key) in bench.plan.flags.iter_mut().zip(keys.iter().cycle()) {
+            flags.push(format!("--key={}", key.display()));
+        }
         let ttl = u32::from(setting.hosts.is_some());
         if let Some(hosts) = setting.hosts {
             bench.plan.through = hosts.through();
@@ -144,6 +180,7 @@ impl Site {
         let subscriptions = Subscriptions {
             states: own.subscribe(1024),
             commands: link.subscribe(1024),
+            deflections: link.subscribe(1024),
             controllers: link.subscribe(1024),
             nodes: link.subscribe(256),
             truths: sim.subscribe(8192),
@@ -159,6 +196,7 @@ impl Site {
             ports: device,
             subscriptions,
             asked: 0,
+            operator: keyring.map(|keyring| Gate::new(keyring, Author::Operator)),
         })
     }
 
@@ -170,10 +208,17 @@ impl Site {
             if left.is_zero() {
                 return false;
             }
-            let (heard, from) = (&mut self.heard, &self.subscriptions);
+            let (heard, from, gate) = (&mut self.heard, &self.subscriptions, &mut self.operator);
             select! {
-                recv(from.states.receiver()) -> it => if let Ok(it) = it { heard.take_state(&it.message) },
-                recv(from.commands.receiver()) -> it => heard.command = it.ok().map(|it| it.message),
+                recv(from.states.receiver()) -> it => if let Some(state) = genuine(gate, it) {
+                    heard.take_state(&state);
+                },
+                recv(from.commands.receiver()) -> it => if let Some(command) = genuine(gate, it) {
+                    heard.command = Some(command);
+                },
+                recv(from.deflections.receiver()) -> it => if let Some(deflections) = genuine(gate, it) {
+                    heard.deflections = Some(deflections);
+                },
                 recv(from.controllers.receiver()) -> it => heard.controller = it.ok().map(|it| it.message),
                 recv(from.truths.receiver()) -> it => if let Ok(it) = it { heard.take_truth(&it.message) },
                 recv(from.nodes.receiver()) -> it => if let Ok(it) = it {
@@ -194,7 +239,7 @@ impl Site {
     pub fn ask(&mut self, action: TaskAction, done: impl Fn(&Heard) -> bool) -> bool {
         (0..LONG.as_millis() / 100).any(|_| {
             self.asked += 1;
-            let task = Task {
+            let mut task = Task {
                 stamp: Stamp {
                     step: self.asked,
                     utime: 0,
@@ -203,6 +248,9 @@ impl Site {
                 action,
                 ..Task::default()
             };
+            if let Some(gate) = &mut self.operator {
+                gate.sign(&mut task);
+            }
             // A full buffer is one more loss.
             let _ = self.device.publish(&task);
             self.until(Duration::from_millis(100), &done)
@@ -236,4 +284,11 @@ impl Site {
     pub fn cut(&self, role: Role, off: bool) {
         self.relay.cut(self.ports[role as usize], off);
     }
+}
+
+/// A message; under a key, only if it is signed and new.
+fn genuine<M: Signed>(gate: &mut Option<Gate>, it: Result<Received<M>, RecvError>) -> Option<M> {
+    let message = it.ok()?.message;
+    let takes = gate.as_mut().is_none_or(|gate| gate.admit(&message).is_ok());
+    takes.then_some(message)
 }

@@ -139,8 +139,10 @@ pub struct Controller {
     tare_since_tick: i64,
     /// The task has begun, or was kept from it: it does not begin by itself any more.
     started: bool,
-    /// A fault has been cleared, and the robot does not follow yet: it is held where it stands.
+    /// A fault has been cleared or the robot released, and it does not follow yet: it is held where it stands.
     rejoins: bool,
+    /// The robot is given to whoever asks for it.
+    released: bool,
     homing: Homing,
     expectation: Expectation,
     sensing: Sensing,
@@ -182,6 +184,7 @@ impl Controller {
             tare_since_tick: 0,
             started: !scenario.task.starts_by_itself,
             rejoins: false,
+            released: false,
             homing: Homing::new(scenario),
             expectation: Expectation::new(scenario),
             start: Axes::zeros(),
@@ -197,7 +200,7 @@ impl Controller {
     }
 
     /// One cycle, due every T whatever has come: the command and the status of its tick. Before the first state of the robot,
-    /// and while it has a fault, the command enables nothing.
+    /// while it has a fault, and once it is released, the command enables nothing.
     ///
     /// All messages have been checked by whoever received them.
     pub fn cycle(&mut self, heard: &Heard<'_>) -> Outputs {
@@ -221,7 +224,8 @@ impl Controller {
         let before = self.modelled();
         let axis_position = self.set_points(tick, &self.actual(&state, tick));
         self.delivery.send(tick, &axis_position, before);
-        self.outputs(tick, state.fault == Fault::None, axis_position)
+        let enable = state.fault == Fault::None && !self.released;
+        self.outputs(tick, enable, axis_position)
     }
 
     /// A robot that does not follow stands where its servos hold it: from there it goes on.
@@ -229,7 +233,8 @@ impl Controller {
         let Some(motion) = &mut self.motion else { return };
         if !follows(state) {
             self.commanded = state.axis_setpoint;
-        } else if std::mem::take(&mut self.rejoins) {
+        } else if self.rejoins && !self.released {
+            self.rejoins = false;
             motion.recover(&self.settings, &self.commanded, tick);
         }
     }

@@ -105,7 +105,10 @@ impl Controller {
         let action = std::mem::take(&mut self.requests.action);
         let outcome = match action {
             TaskAction::None => return,
-            TaskAction::Start if self.phases.phase() == ControllerPhase::Ready => self.start(tick, state),
+            TaskAction::Start if self.phases.phase() == ControllerPhase::Ready => {
+                self.released = false;
+                self.start(tick, state)
+            }
             TaskAction::Start if !self.phases.well() => Err(latched()),
             TaskAction::Stop => {
                 self.stop(tick);
@@ -120,10 +123,11 @@ impl Controller {
                 answer: ParameterAnswer::WrongPhase,
                 limit: 0.0,
             }),
-            TaskAction::Release => Err(Refusal {
-                answer: ParameterAnswer::Unknown,
-                limit: 0.0,
-            }),
+            TaskAction::Release => {
+                self.stop(tick);
+                (self.released, self.rejoins) = (true, true);
+                Ok(())
+            }
         };
         if let Err(Refusal { answer, limit }) = outcome {
             self.requests.reply(answer, None, limit);

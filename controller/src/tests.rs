@@ -8,6 +8,7 @@ mod losses;
 mod phases;
 mod protection;
 mod readiness;
+mod release;
 mod samples;
 
 use super::*;

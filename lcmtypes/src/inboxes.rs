@@ -7,7 +7,7 @@ use crate::multicast::{self, LARGEST_PACKET, MOST_AT_ONCE};
 use crate::router::Router;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::io::Errno;
-use std::io;
+use std::io::{self, Read};
 use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::net::UnixStream;
 use std::sync::Arc;
@@ -61,7 +61,7 @@ pub enum Woken {
     Messages,
     /// Nothing within the time.
     Nothing,
-    /// There is something to read from the stream that says stop.
+    /// There was something to read from the stream that says stop: told once for each byte, for ever once it is closed.
     Stopped,
 }
 
@@ -73,7 +73,7 @@ pub struct Inboxes {
 }
 
 impl Inboxes {
-    /// None yet; anything to read from `stop` ends all waiting.
+    /// None yet; anything to read from `stop` ends one's waiting.
     pub fn new(stop: UnixStream) -> Self {
         Self {
             stop,
@@ -112,6 +112,8 @@ impl Inboxes {
         }
         let ready = all.map(|it| !it.revents().is_empty());
         if ready[MOST_LINKS] {
+            // That it is readable says all.
+            let _ = self.stop.read(&mut [0]);
             return Ok(Woken::Stopped);
         }
         for (inbox, ready) in self.inboxes.iter_mut().zip(ready) {

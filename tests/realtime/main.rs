@@ -4,6 +4,9 @@
 //! itself: this binary is apart from the other processes' tests, which are as fast as they can.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
+mod authenticity;
+mod hand_over;
+
 use experiment::log::Log;
 use experiment::metrics::{Metrics, Recording};
 use experiment::transcript;

@@ -13,11 +13,13 @@ use node::rights;
 use node::scenario::Scenario;
 use node::shell::{Flags, RealTime, Shell};
 use spatial::TICK_US;
-use spatial::ports::{Deflections, Fault, NodeStatus, ObjectPose, RobotState, Role, Task};
+use spatial::ports::{Deflections, Fault, NodeStatus, ObjectPose, RobotState, Role, Task, TaskAction};
 use std::time::{Duration, Instant};
 
 /// Between two looks at the clocks' bounds.
 const LOOK: Duration = Duration::from_secs(1);
+/// How long the robot is told that it is released: a dozen commands, all of which no network loses.
+const RELEASE: Duration = Duration::from_millis(50);
 
 struct Node {
     process: RealTime,
@@ -85,6 +87,7 @@ pub(super) fn run(flags: &Flags, process: RealTime) -> anyhow::Result<Shell> {
         process,
     };
     while node.step()? {}
+    node.release()?;
     Ok(node.process.shell)
 }
 
@@ -122,6 +125,19 @@ impl Node {
             self.cycle(begun);
         }
         Ok(true)
+    }
+
+    /// Give the robot up before the end: it comes to rest, holds and has no fault, so that another controller can take it over.
+    fn release(&mut self) -> anyhow::Result<()> {
+        let stamp = self.process.stamp(1, clock::now());
+        self.take_request(Task {
+            stamp,
+            action: TaskAction::Release,
+            ..Task::default()
+        });
+        let until = clock::now() + RELEASE;
+        while clock::now() < until && self.step()? {}
+        Ok(())
     }
 
     fn take_state(&mut self, received: &Received<RobotState>) {
@@ -164,11 +180,14 @@ impl Node {
         }
     }
 
-    /// Requests are followed by the cycle that comes next, whatever the clock of who asks says.
-    fn take_task(&mut self, mut task: Task) {
-        if !self.process.admits(&task) {
-            return;
+    fn take_task(&mut self, task: Task) {
+        if self.process.admits(&task) {
+            self.take_request(task);
         }
+    }
+
+    /// Requests are followed by the cycle that comes next, whatever the clock of who asks says.
+    fn take_request(&mut self, mut task: Task) {
         task.stamp.utime = 0;
         if !self.agenda.add(&task) {
             tracing::debug!(step = task.stamp.step, "a request waits already, or too many do");

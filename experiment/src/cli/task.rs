@@ -16,13 +16,14 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-/// Ask the running controller, from any host: start, stop, tare, reset, or a parameter's new value
+/// Ask the running controller, from any host: start, stop, tare, reset, release, or a parameter's new value
 #[derive(clap::Args)]
 #[command(after_help = "\
 Without --url and --cell: udpm://239.255.76.67:7667?ttl=0, this host alone.
 
 After a fault: mend its cause, then `touchdown task reset` and `touchdown task start`. A reset is asked for again for
-2 s: the controller refuses it until the robot, which hears the same request, has cleared its own fault.
+2 s: the controller refuses it until the robot, which hears the same request, has cleared its own fault. So is a start:
+a robot that was released (it stops, holds and is idle) or joined is armed first.
 
 Exit codes:
   0  accepted
@@ -30,7 +31,7 @@ Exit codes:
   2  wrong usage or cell")]
 pub(crate) struct Args {
     /// What to do; with `set` only the parameters change, `set-force 12` is `set desired_force_n=12`
-    #[arg(value_parser = ["start", "stop", "tare", "reset", "set", "set-force"])]
+    #[arg(value_parser = ["start", "stop", "tare", "reset", "release", "set", "set-force"])]
     action: String,
     /// Parameters and their new values, such as desired_force_n=12
     #[arg(value_name = "PARAMETER=VALUE")]
@@ -103,8 +104,13 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     let mut answer = None;
     while let Some(status) = asker.ask(&task, give_up)? {
         answer = Some(status);
-        // The robot hears the same request, but may clear its fault after the controller has looked.
-        let early = task.action == TaskAction::Reset && status.task_answer == ParameterAnswer::FaultLatched;
+        // The robot hears the same request, but may clear its fault after the controller has looked; and one that was released
+        // is armed first.
+        let early = matches!(
+            (task.action, status.task_answer),
+            (TaskAction::Reset, ParameterAnswer::FaultLatched)
+                | (TaskAction::Start, ParameterAnswer::RobotNotReady)
+        );
         if !early || !asker.pause(give_up) {
             break;
         }
@@ -226,6 +232,7 @@ fn request(args: &Args) -> Result<Task> {
         "stop" => TaskAction::Stop,
         "tare" => TaskAction::Tare,
         "reset" => TaskAction::Reset,
+        "release" => TaskAction::Release,
         _ => TaskAction::None,
     };
     // Each call is a sender of its own, on whichever host, whose answer is told from those to others by its count, too.
