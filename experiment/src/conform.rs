@@ -18,6 +18,7 @@ pub mod robot;
 pub mod sensor;
 pub mod session;
 mod session_robot;
+mod signatures;
 pub mod still;
 mod voice;
 

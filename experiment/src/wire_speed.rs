@@ -3,7 +3,7 @@
 //! The wire's own is what processes reach that do nothing but receive from a raw UDP multicast socket and send messages of the
 //! same sizes ([`bare`]). Against it stand the time from a sensor's message to the command that answers it ([`cycles`]) and the
 //! ticks that three programs in lockstep do in a second ([`ring`]); both are measured in turns, so that what the machine
-//! does meanwhile concerns both alike.
+//! does meanwhile concerns both alike. What a key adds to each message is computation alone ([`signatures`]).
 
 pub mod bare;
 pub mod cells;
@@ -12,6 +12,7 @@ mod peer;
 mod plant;
 pub mod rates;
 pub mod ring;
+pub mod signatures;
 mod statistics;
 mod wire;
 

@@ -5,7 +5,8 @@
 
 It needs a cell that is at work (`touchdown up CELL.toml`), whose controller is ready, best with
 task.starts_by_itself=false. It presses with each force in turn, prints a line of CSV for each, and retracts nothing: it asks
-for a stop, after which the tool rests where it is. It publishes TASK and listens to CONTROLLER_STATUS, nothing else.
+for a stop, after which the tool rests where it is. It publishes TASK and listens to CONTROLLER_STATUS; with --key also to
+ROBOT_STATE, whose session and number a signed request carries (authenticity.py).
 """
 
 import argparse
@@ -16,6 +17,8 @@ import sys
 import time
 
 import lcm
+
+import authenticity
 
 # How long an answer, a start and a new force may take, s.
 ANSWER_S = 2.0
@@ -29,8 +32,8 @@ RECENT = 50
 class Experiment:
     """A controller that is listened to, and asked."""
 
-    def __init__(self, url, suffix, types):
-        self.types = types
+    def __init__(self, url, suffix, types, key):
+        self.types, self.key = types, key
         self.link = lcm.LCM(url)
         self.suffix = suffix
         subscription = self.link.subscribe("CONTROLLER_STATUS" + suffix, self._hear)
@@ -40,6 +43,19 @@ class Experiment:
         # As long as this script runs it is one sender; its requests are counted from a number that no other one has.
         self.sender = random.randrange(1, 8_000_000_000_000)
         self.requests = 0
+        # The robot's states under a key, and the number of the last signed request.
+        self.robot, self.seq = authenticity.Signed(key, "ROBOT_STATE"), 0
+        if key:
+            self.link.subscribe("ROBOT_STATE" + suffix, self._hear_robot)
+
+    def _hear_robot(self, channel, data):
+        try:
+            state = self.types.robot_state_t.decode(data)
+        except ValueError:
+            return
+        before = self.robot.boot_id
+        if self.robot.takes(data, state) and state.boot_id != before:
+            self.seq = 0  # another robot counts anew
 
     def _hear(self, channel, data):
         try:
@@ -80,11 +96,18 @@ class Experiment:
             setattr(task, "task_" + name, float(value))
         give_up = time.monotonic() + ANSWER_S
         while time.monotonic() < give_up:
-            self.link.publish("TASK" + self.suffix, task.encode())
+            self.link.publish("TASK" + self.suffix, self._encoded(task))
             self.listen(REPEAT_MS)
             if self.status and self.status.controller_task_step == task.step:
                 return self.status.controller_task_answer
         sys.exit(f"no controller has answered within {ANSWER_S} s; is the cell at work on this URL?")
+
+    def _encoded(self, task):
+        """The request as it is sent; under a key a repeated one is signed anew."""
+        if not self.key:
+            return task.encode()
+        self.seq = max(self.seq + 1, self.robot.seq)
+        return self.key.sign("TASK", task, self.robot.session, self.seq)
 
     def until(self, holds, what):
         """Listen until `holds(status)`; a fault, or too long a time, ends the script."""
@@ -119,12 +142,13 @@ def main():
     parser.add_argument("--types", default=".", help="where lcm-gen -p has put the package touchdown")
     parser.add_argument("--force-n", default="8,12", help="forces to press with, N")
     parser.add_argument("--hold-s", type=float, default=0.5, help="how long each is averaged, s")
+    parser.add_argument("--key", type=authenticity.Key.named, help="key file of the cell")
     arguments = parser.parse_args()
     sys.path.insert(0, arguments.types)
     import touchdown
 
     status = touchdown.controller_status_t
-    experiment = Experiment(arguments.url, arguments.suffix, touchdown)
+    experiment = Experiment(arguments.url, arguments.suffix, touchdown, arguments.key)
     forces = [float(text) for text in arguments.force_n.split(",")]
     idle = (status.PHASE_INIT, status.PHASE_SYNC)
     in_contact = (status.PHASE_CONTACT, status.PHASE_SETTLED)

@@ -6,6 +6,7 @@
 It speaks the device channels alone: publishes NODE_STATUS every 100 ms and SENSOR_DEFLECTION every --every ticks of 1 ms, and
 listens to NODE_STATUS and ROBOT_COMMAND. `read` is what there is to be filled in. Python can't be relied upon to be on
 time every ms: by default it publishes every 4 ms, which no reading is lost by, since each message carries the last eight.
+With --key it signs, and takes no command that is not signed (authenticity.py).
 """
 
 import argparse
@@ -18,6 +19,8 @@ import sys
 import time
 
 import lcm
+
+import authenticity
 
 READINGS = 8
 TICK_US = 1000
@@ -59,8 +62,8 @@ class Peer:
 
 
 class Sensor:
-    def __init__(self, url, types, every):
-        self.types, self.every = types, every
+    def __init__(self, url, types, every, key):
+        self.types, self.every, self.key = types, every, key
         self.link = lcm.LCM(url)
         self.link.subscribe("NODE_STATUS", self.on_status)
         self.link.subscribe("ROBOT_COMMAND", self.on_command)
@@ -71,7 +74,9 @@ class Sensor:
         self.echo_command_send_us, self.echo_receive_us = 0, 0
         self.tick, self.began_us = 0, clock_us()
         self.next_status_us = self.began_us
-        self.published = self.received = self.undecodable = 0
+        self.published = self.received = self.undecodable = self.refused = 0
+        # The controller's commands under a key, and how many messages have been signed.
+        self.commands, self.seq = authenticity.Signed(key, "ROBOT_COMMAND"), 0
         # Newest first. Those never taken have flags 0.
         self.readings = collections.deque(maxlen=READINGS)
 
@@ -89,6 +94,8 @@ class Sensor:
         status = self.decode(self.types.node_status_t, data)
         if not status:
             return
+        if bool(status.node_authenticated) != bool(self.key):
+            return  # with and without a key nodes do not work with each other
         hello = {name: getattr(status, name) for name in HELLO}
         role = status.node_role.rstrip(b"\0")
         if role == b"robot" and status.node_protocol == status.PROTOCOL and self.robot.hear(status.boot_id):
@@ -99,7 +106,11 @@ class Sensor:
     def on_command(self, _, data):
         received_us = clock_us()
         command = self.decode(self.types.robot_command_t, data)
-        if command and command.boot_id == self.controller.boot_id:
+        if not command or command.boot_id != self.controller.boot_id:
+            return
+        if self.key and not self.commands.takes(data, command):
+            self.refused += 1
+        else:
             self.echo_command_send_us, self.echo_receive_us = command.command_send_us, received_us
 
     def publish_status(self):
@@ -111,7 +122,8 @@ class Sensor:
         for name, value in self.hello.items():
             setattr(status, name, value)
         status.node_published, status.node_received = self.published, self.received
-        status.node_undecodable = self.undecodable
+        status.node_undecodable, status.node_refused = self.undecodable, self.refused
+        status.node_authenticated = bool(self.key)
         self.link.publish("NODE_STATUS", status.encode())
 
     def publish_deflection(self):
@@ -127,7 +139,10 @@ class Sensor:
             message.deflection_echo_command_send_us = self.echo_command_send_us
             message.deflection_echo_receive_us = self.echo_receive_us
             message.deflection_echo_send_us = clock_us()
-        self.link.publish("SENSOR_DEFLECTION", message.encode())
+        self.seq += 1
+        channel = "SENSOR_DEFLECTION"
+        signed = self.key and self.key.sign(channel, message, self.commands.session, self.seq)
+        self.link.publish(channel, signed or message.encode())
         self.published += 1
 
     def hear_until(self, due_us):
@@ -163,11 +178,12 @@ def main():
     arguments.add_argument("--url", default="udpm://239.255.76.67:7667?ttl=0", help="LCM URL of the device channels")
     arguments.add_argument("--types", default=".", help="directory of the package touchdown that lcm-gen has made")
     arguments.add_argument("--every", type=int, default=4, choices=range(1, READINGS + 1), help="publish every so many ticks")
+    arguments.add_argument("--key", type=authenticity.Key.named, help="key file of the cell")
     given = arguments.parse_args()
     sys.path.insert(0, given.types)
     import touchdown
 
-    Sensor(given.url, touchdown, given.every).run()
+    Sensor(given.url, touchdown, given.every, given.key).run()
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 
 use crate::python;
 use lcmtypes::LcmBuilder;
-use node::clock;
+use node::{clock, key_file};
 use serde_json::Value;
 use spatial::ports::{ControllerPhase, ControllerStatus};
 use std::path::{Path, PathBuf};
@@ -22,7 +22,7 @@ impl Process {
     }
 
     /// One that reads the scenario of `bench`.
-    fn node(bench: &Bench, program: &str) -> Self {
+    fn node(bench: &Bench, program: &str, arguments: &[&str]) -> Self {
         let mut command = Command::new(programs().join(program));
         command
             .arg("--scenario")
@@ -32,6 +32,7 @@ impl Process {
         for change in &bench.plan.overrides {
             command.args(["--set", change]);
         }
+        command.args(arguments);
         Self::start(&mut command)
     }
 }
@@ -89,9 +90,41 @@ pub(crate) fn lcm_gen() -> PathBuf {
 #[test]
 fn the_skeleton_of_a_robots_driver_keeps_the_contract() {
     let bench = bench();
-    let _driver = Process::node(&bench, "examples/robot_driver");
+    let _driver = Process::node(&bench, "examples/robot_driver", &[]);
     let arguments = ["robot", "--move", "--command-gap-s", GAP_S, "--json"];
     all_kept(&conform(&bench, &arguments));
+}
+
+/// Both drivers with the key of a cell.
+#[test]
+fn under_a_key_both_drivers_sign_and_take_what_is_signed() {
+    let bench = bench();
+    let python = match python::python() {
+        Ok(python) => python,
+        Err(error) => return eprintln!("SKIPPED: no Python with LCM: {error}"),
+    };
+    let types = bench.directory.path();
+    python::generate(&lcm_gen(), &repository().join("types"), types).unwrap();
+    let path = bench.directory.path().join("cell.key");
+    key_file::create(&path).unwrap();
+    let key = ["--key", path.to_str().unwrap()];
+    {
+        let _sensor = sensor(&bench, &python, &key);
+        let arguments = ["sensor", "--listen-s", "1.5", "--json"];
+        all_kept(&conform(&bench, &[&arguments[..], &key].concat()));
+    }
+    let _driver = Process::node(&bench, "examples/robot_driver", &key);
+    let arguments = ["robot", "--move", "--command-gap-s", GAP_S, "--json"];
+    all_kept(&conform(&bench, &[&arguments[..], &key].concat()));
+}
+
+/// The skeleton in Python, whose types are generated in the directory of `bench`.
+fn sensor(bench: &Bench, python: &Path, arguments: &[&str]) -> Process {
+    let mut command = Command::new(python);
+    command.arg("-B").arg(repository().join("examples/sensor.py"));
+    command.args(["--url", &bench.plan.wiring.watch, "--types"]);
+    command.arg(bench.directory.path()).args(arguments);
+    Process::start(&mut command)
 }
 
 /// With a controller and the skeleton as robot: clocks are known, the tare is done, and every rule is kept.
@@ -107,14 +140,9 @@ fn a_sensor_in_python_keeps_the_contract_and_is_worked_with() {
     let mut link = LcmBuilder::open(&bench.plan.wiring.watch).unwrap();
     let statuses = link.subscribe::<ControllerStatus>(64);
     let _link = link.start().unwrap();
-    let _sensor = Process::start(
-        Command::new(python)
-            .arg(repository().join("examples/sensor.py"))
-            .args(["--url", &bench.plan.wiring.watch, "--types"])
-            .arg(types),
-    );
-    let _driver = Process::node(&bench, "examples/robot_driver");
-    let _controller = Process::node(&bench, "controller");
+    let _sensor = sensor(&bench, &python, &[]);
+    let _driver = Process::node(&bench, "examples/robot_driver", &[]);
+    let _controller = Process::node(&bench, "controller", &[]);
     let give_up = clock::now() + LONG;
     let ready = std::iter::from_fn(|| statuses.receiver().recv_deadline(give_up).ok())
         .any(|received| received.message.phase == ControllerPhase::Ready);

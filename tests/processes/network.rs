@@ -30,6 +30,13 @@ fn the_programs_and_bare_processes_are_measured_in_turns() {
     ] {
         assert!(report[key].as_f64().unwrap() > 0.0, "{key}: {report}");
     }
+    for row in report["signatures"].as_array().unwrap() {
+        let [bytes, sign_ns, check_ns] = ["bytes", "sign_ns", "check_ns"].map(|key| row[key].as_f64());
+        assert!(
+            bytes > Some(200.0) && sign_ns > Some(0.0) && check_ns > Some(0.0),
+            "{row}"
+        );
+    }
     let loops = report["loops"].as_array().unwrap();
     for pace in ["250 Hz", "1000 Hz", "back to back"] {
         for receive in ["raw", "controller"] {

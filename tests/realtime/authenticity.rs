@@ -84,7 +84,7 @@ impl Forger {
         values[0] = Some(15.0);
         let mut task = Task {
             stamp: command.stamp,
-            action: if round % 2 == 0 {
+            action: if round.is_multiple_of(2) {
                 TaskAction::Stop
             } else {
                 TaskAction::Release
@@ -268,6 +268,7 @@ fn with_and_without_a_key_nodes_refuse_each_other() {
         );
         assert_eq!(i64::from(status.authenticated), own);
     }
+    assert!(site.until(LONG, |heard| heard.robot.is_some()));
     assert_eq!(site.heard.robot.unwrap().mode, RobotMode::Idle);
     site.cell.kill(Role::Controller);
     site.cell.start_another(&with, Role::Controller).unwrap();

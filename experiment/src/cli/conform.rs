@@ -5,8 +5,10 @@ use anyhow::Result;
 use clap::Subcommand;
 use experiment::conform::session::{self, ConformError, Options};
 use experiment::conform::{Expectation, Finding, Table, Verdict, broken};
+use node::key_file;
 use node::scenario::Scenario;
 use serde::Serialize;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -46,6 +48,9 @@ struct Common {
     /// LCM URL of the device channels
     #[arg(long, default_value = "udpm://239.255.76.67:7667?ttl=0")]
     url: String,
+    /// Sign with the key of the cell, and ask for signatures; of several the first signs
+    #[arg(long, value_name = "FILE")]
+    key: Vec<PathBuf>,
     /// How long to listen, s
     #[arg(long, default_value_t = 3.0, value_name = "S", value_parser = seconds)]
     listen_s: f64,
@@ -104,6 +109,7 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
         url: common.url.clone(),
         listen: Duration::from_secs_f64(common.listen_s),
         expectation,
+        keys: key_file::read_all(&common.key)?,
     };
     let stop = node::shell::signals()?;
     let outcome = match &args.role {

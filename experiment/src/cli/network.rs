@@ -6,6 +6,7 @@ use experiment::in_process;
 use experiment::wire_speed::Programs;
 use experiment::wire_speed::cycles::{self, Amount, Pace, Receive, Row};
 use experiment::wire_speed::ring::{self, Lockstep};
+use experiment::wire_speed::signatures;
 use node::clock;
 use node::scenario::{Scenario, TimingMode};
 use serde::Serialize;
@@ -59,6 +60,8 @@ struct Report<'a> {
     loop_back_to_back_p50_ratio: f64,
     loop_back_to_back_p999_ratio: f64,
     loops: &'a [Row],
+    /// What a key adds in real time.
+    signatures: &'a [signatures::Row],
 }
 
 /// How long something is timed.
@@ -131,6 +134,7 @@ pub(crate) fn run(args: &Args) -> Result<ExitCode> {
         loop_back_to_back_p50_ratio: unpaced[0],
         loop_back_to_back_p999_ratio: unpaced[1],
         loops: &loops,
+        signatures: &signatures::measure(&timed, args.repetitions),
     };
     if args.json {
         print_json(&report)?;
@@ -191,6 +195,14 @@ fn text(report: &Report<'_>) -> String {
             row.p999_us,
             row.max_us,
             row.p999_ratio,
+        );
+    }
+    text +=
+        "\nwhat a key adds to a message in real time, ns of a core\nchannel            bytes   sign  check\n";
+    for row in report.signatures {
+        text += &format!(
+            "{:17}  {:5}  {:5.0}  {:5.0}\n",
+            row.channel, row.bytes, row.sign_ns, row.check_ns
         );
     }
     text

@@ -18,6 +18,7 @@ pub fn rules(record: &Record) -> Vec<Finding> {
         usable(record),
         status(record),
         hello(record),
+        signed(record),
         boot_id(record, &heads),
         echo(record, &heads),
         honest(record, &heads),
@@ -44,6 +45,43 @@ pub fn usable(record: &Record) -> Finding {
         record.channel()
     );
     Finding::kept(RULE, observed)
+}
+
+/// Node and checker have the same key, or none.
+pub fn signed(record: &Record) -> Finding {
+    const RULE: &str = "signed with the key, or without a key";
+    let Some(status) = record.statuses.last() else {
+        return Finding::not_seen(RULE, "no NODE_STATUS");
+    };
+    let [told, own] = [status.message.authenticated, record.signed.is_some()].map(u8::from);
+    if told != own {
+        let observed = format!("node_authenticated is {told}, here it is {own}");
+        return Finding::broken(
+            RULE,
+            observed,
+            "give the node and this check the same --key FILE, or none of them",
+        );
+    }
+    let Some(signed) = &record.signed else {
+        return Finding::kept(RULE, "neither has a key");
+    };
+    let observed = format!(
+        "{} of {} {} are signed and new (95 %){}",
+        signed.taken,
+        signed.taken + signed.refused,
+        record.channel(),
+        signed
+            .why
+            .as_ref()
+            .map_or(String::new(), |why| format!("; the first other: {why}"))
+    );
+    Finding::judge(
+        RULE,
+        signed.taken > 0 && 19 * signed.refused <= signed.taken,
+        observed,
+        "sign with the key of the cell as lcmtypes/README.md says, tests/golden/tags being examples: session as it was heard last, \
+         seq one more each time",
+    )
 }
 
 /// `NODE_STATUS` every 100 ms.

@@ -8,14 +8,28 @@ use spatial::ports::{Fault, HORIZON, RobotMode, RobotState};
 
 /// All of them.
 pub fn rules(record: &Record, expectation: &Expectation) -> Vec<Finding> {
-    vec![
+    let mut findings = vec![
         arming(record),
         intruder(record),
         release(record),
         silence(record, expectation),
         reset_while_enabled(record),
         reset(record),
-    ]
+    ];
+    if record.signed.is_some() {
+        findings.push(unsigned(record));
+    }
+    findings
+}
+
+/// Under a key an enabled command that is not signed does nothing.
+pub fn unsigned(record: &Record) -> Finding {
+    const RULE: &str = "an enabled command that is not signed does nothing";
+    let Some((_, states)) = states(record, Saying::Unsigned, 0) else {
+        return Finding::not_seen(RULE, "it was not tried");
+    };
+    let remedy = "look at session, seq and tag (`node::authenticity`) before all else that a command says";
+    unmoved(RULE, states, &[RobotMode::Idle], remedy)
 }
 
 /// The states that came while `saying` was said for the `nth` time (from 0).

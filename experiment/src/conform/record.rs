@@ -23,6 +23,17 @@ pub struct Refused {
     pub why: String,
 }
 
+/// What became of the tags of the node under test.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Signed {
+    /// Messages that were signed and new.
+    pub taken: u64,
+    /// Others.
+    pub refused: u64,
+    /// Why the first of these was refused.
+    pub why: Option<String>,
+}
+
 /// What the checker, as a controller, says in answer to each state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Saying {
@@ -38,6 +49,8 @@ pub enum Saying {
     Foreign,
     /// Without enable, set-points that no axis reaches.
     OutOfRange,
+    /// An enabled command that stays and is not signed, by whoever has a key.
+    Unsigned,
     /// An enabled command that stays.
     Stay,
     /// The same, and an enabled one of another process with other set-points.
@@ -93,6 +106,8 @@ pub struct Record {
     pub phases: Vec<Phase>,
     /// What could not be used, by channel.
     pub refused: Vec<Refused>,
+    /// With a key.
+    pub signed: Option<Signed>,
     /// How long it listened, us.
     pub listened_us: i64,
 }
@@ -111,6 +126,7 @@ impl Record {
             resets_us: Vec::new(),
             phases: Vec::new(),
             refused: Vec::new(),
+            signed: None,
             listened_us: 0,
         }
     }

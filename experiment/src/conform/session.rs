@@ -2,10 +2,12 @@
 
 use super::record::{At, Phase, Record, Refused, Saying};
 use super::session_robot;
+use super::signatures::Signatures;
 use super::{Expectation, Finding};
 use crossbeam::channel::Receiver;
 use crossbeam::select;
 use lcmtypes::{Lcm, LcmBuilder, LcmError, Message, Received, Subscription};
+use node::authenticity::Keyring;
 use node::clock::{self, Clock, HostClock};
 use node::peers::{SILENT, STATUS_PERIOD};
 use spatial::kinematics::Axes;
@@ -13,7 +15,7 @@ use spatial::ports::{Command, Deflections, NodeStatus, RobotState, Role};
 use std::time::{Duration, Instant};
 
 /// What to check.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Options {
     /// LCM URL of the device channels.
     pub url: String,
@@ -21,6 +23,8 @@ pub struct Options {
     pub listen: Duration,
     /// What is known of a robot.
     pub expectation: Expectation,
+    /// The keys of the cell, if it has any.
+    pub keys: Option<Keyring>,
 }
 
 /// Why there is nothing to judge.
@@ -60,6 +64,8 @@ pub(super) struct Session {
     clock: HostClock,
     pub(super) boot_id: i64,
     pub(super) link: Lcm,
+    /// With a key.
+    pub(super) signatures: Option<Signatures>,
     states: Subscription<RobotState>,
     deflections: Subscription<Deflections>,
     commands: Subscription<Command>,
@@ -78,7 +84,7 @@ pub(super) struct Session {
 
 /// Check a robot.
 pub fn robot(options: &Options, stop: Receiver<()>) -> Result<Vec<Finding>, ConformError> {
-    let mut session = Session::open(&options.url, Role::Robot, stop)?;
+    let mut session = Session::open(options, Role::Robot, stop)?;
     session_robot::run(&mut session, options)?;
     let record = session.finish();
     Ok(super::robot(&record, &options.expectation))
@@ -86,7 +92,7 @@ pub fn robot(options: &Options, stop: Receiver<()>) -> Result<Vec<Finding>, Conf
 
 /// Check a sensor.
 pub fn sensor(options: &Options, stop: Receiver<()>) -> Result<Vec<Finding>, ConformError> {
-    let mut session = Session::open(&options.url, Role::Sensor, stop)?;
+    let mut session = Session::open(options, Role::Sensor, stop)?;
     session.meet()?;
     if session.controller.is_none() {
         session.play(Role::Controller);
@@ -105,14 +111,16 @@ pub fn sensor(options: &Options, stop: Receiver<()>) -> Result<Vec<Finding>, Con
 }
 
 impl Session {
-    fn open(url: &str, role: Role, stop: Receiver<()>) -> Result<Self, ConformError> {
-        let mut link = LcmBuilder::open(url)?;
+    fn open(options: &Options, role: Role, stop: Receiver<()>) -> Result<Self, ConformError> {
+        let mut link = LcmBuilder::open(&options.url)?;
         let (states, deflections) = (link.subscribe(1024), link.subscribe(1024));
         let (commands, statuses) = (link.subscribe(1024), link.subscribe(256));
         let boot_id =
             node::shell::draw_boot_id().map_err(|error| ConformError::BootId(format!("{error:#}")))?;
+        let signatures = options.keys.as_ref().map(|keys| Signatures::new(keys, boot_id));
         Ok(Self {
             record: Record::new(role),
+            signatures,
             saying: Saying::Silence,
             reference: None,
             clock: HostClock::start(),
@@ -194,6 +202,9 @@ impl Session {
                 recv(self.deflections.receiver()) -> it => {
                     let it = it.map_err(ended)?;
                     let us = self.us(it.received_at);
+                    if let Some(signatures) = &mut self.signatures {
+                        signatures.hear_deflections(&it.message, self.record.role);
+                    }
                     self.record.deflections.push(At { us, message: it.message });
                 }
                 recv(self.commands.receiver()) -> it => self.take_command(&it.map_err(ended)?),
@@ -207,6 +218,9 @@ impl Session {
 
     fn take_state(&mut self, received: &Received<RobotState>) -> Result<(), ConformError> {
         let (us, message) = (self.us(received.received_at), received.message);
+        if let Some(signatures) = &mut self.signatures {
+            signatures.hear_state(&message, self.record.role);
+        }
         self.record.states.push(At { us, message });
         match self.record.role {
             Role::Robot => self.answer(&message),
@@ -258,6 +272,7 @@ impl Session {
             _ => refused(&self.states),
         };
         self.record.refused = vec![device, refused(&self.statuses)];
+        self.record.signed = self.signatures.take().map(|signatures| signatures.heard);
         self.record.listened_us = self.us(clock::now()) - self.us(self.began);
         self.record
     }

@@ -50,6 +50,9 @@ pub(super) fn run(session: &mut Session, options: &Options) -> Result<(), Confor
 fn enable(session: &mut Session, options: &Options) -> Result<(), ConformError> {
     let mode = |wanted| move |state: &RobotState| state.mode == wanted;
     let gap = Duration::try_from_secs_f64(options.expectation.command_gap_s).unwrap_or_default();
+    if session.signatures.is_some() {
+        session.say(Saying::Unsigned, PROBE, never)?;
+    }
     session.say(Saying::Stay, ARMING, mode(RobotMode::Following))?;
     session.say(Saying::Intruder, PROBE, never)?;
     session.say(Saying::Released, LONG, mode(RobotMode::Idle))?;

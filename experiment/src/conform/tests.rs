@@ -3,6 +3,7 @@
 mod moved;
 mod robot;
 mod sensor;
+mod signed;
 mod streams;
 
 use super::{Expectation, Finding, Record, Table, Verdict};

@@ -28,6 +28,7 @@ impl Session {
                     boot_id: self.boot_id,
                 };
                 status.state = NodeState::Running;
+                status.authenticated = self.signatures.is_some();
                 self.link.publish(&status)?;
             }
         }
@@ -75,11 +76,14 @@ impl Session {
             utime: 0,
             boot_id: self.boot_id,
         };
-        let task = Task {
+        let mut task = Task {
             stamp,
             action: TaskAction::Reset,
             ..Task::default()
         };
+        if let Some(signatures) = &mut self.signatures {
+            signatures.task(&mut task);
+        }
         self.record.resets_us.push(self.us(clock::now()));
         Ok(self.link.publish(&task)?)
     }
@@ -107,6 +111,11 @@ impl Session {
                 self.send(step, false, stay, false)?;
                 self.intrude(step, false, other)
             }
+            Saying::Unsigned => {
+                let at = self.command(step, self.boot_id, true, reference);
+                self.record.odd_commands.push(at);
+                Ok(self.link.publish(&at.message)?)
+            }
             Saying::Stay => self.send(step, true, reference, false),
             Saying::ResetWhileEnabled => {
                 self.send(step, true, reference, false)?;
@@ -131,7 +140,7 @@ impl Session {
     }
 
     /// A sensor on which nothing hangs: a robot begins no motion without one.
-    fn press_nothing(&self, step: i64) -> Result<(), ConformError> {
+    fn press_nothing(&mut self, step: i64) -> Result<(), ConformError> {
         let us = self.us(clock::now());
         let sample = |i| DeflectionSample {
             utime: us - i as i64 * TICK_US,
@@ -141,7 +150,7 @@ impl Session {
             },
             ..DeflectionSample::default()
         };
-        Ok(self.link.publish(&Deflections {
+        let mut deflections = Deflections {
             stamp: Stamp {
                 step,
                 utime: us,
@@ -150,21 +159,35 @@ impl Session {
             samples: std::array::from_fn(sample),
             echo: ClockEcho::default(),
             authenticity: Authenticity::default(),
-        })?)
+        };
+        if let Some(signatures) = &mut self.signatures {
+            signatures.deflections(&mut deflections);
+        }
+        Ok(self.link.publish(&deflections)?)
     }
 
     /// A command of somebody else.
-    fn intrude(&self, step: i64, enable: bool, axes: Axes) -> Result<(), ConformError> {
+    fn intrude(&mut self, step: i64, enable: bool, axes: Axes) -> Result<(), ConformError> {
         self.publish(step, self.boot_id ^ 1, enable, axes).map(|_| ())
     }
 
     fn publish(
-        &self,
+        &mut self,
         step: i64,
         boot_id: i64,
         enable: bool,
         axes: Axes,
     ) -> Result<At<Command>, ConformError> {
+        let mut at = self.command(step, boot_id, enable, axes);
+        if let Some(signatures) = &mut self.signatures {
+            signatures.command(&mut at.message);
+        }
+        self.link.publish(&at.message)?;
+        Ok(at)
+    }
+
+    /// A command of now, which is not signed.
+    fn command(&self, step: i64, boot_id: i64, enable: bool, axes: Axes) -> At<Command> {
         let us = self.us(clock::now());
         let message = Command {
             stamp: Stamp {
@@ -177,7 +200,6 @@ impl Session {
             send_utime: us,
             authenticity: Authenticity::default(),
         };
-        self.link.publish(&message)?;
-        Ok(At { us, message })
+        At { us, message }
     }
 }

@@ -148,6 +148,11 @@ impl Gate {
         }
     }
 
+    /// Begin a session where there is no robot that draws one, as when a sensor alone is tried.
+    pub fn suppose(&mut self, session: i64) {
+        self.sessions.begin(session);
+    }
+
     /// Sign an own message as the next one of the present session.
     pub fn sign<M: Signed>(&mut self, message: &mut M) {
         self.seq = match self.own {

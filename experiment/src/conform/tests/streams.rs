@@ -1,6 +1,6 @@
 //! Streams of a robot and of a sensor that keep every rule.
 
-use super::super::record::{At, Phase, Record, Saying};
+use super::super::record::{At, Phase, Record, Saying, Signed};
 use node::health::Health;
 use spatial::kinematics::Axes;
 use spatial::ports::*;
@@ -103,9 +103,13 @@ fn echo(sent: Option<i64>, utime: i64) -> ClockEcho {
 
 /// A robot that turns each axis by 1 nrad per ms.
 pub(super) fn robot() -> Record {
+    robot_told(&PLAN)
+}
+
+fn robot_told(plan: &[(Saying, i64, Course)]) -> Record {
     let mut record = Record::new(Role::Robot);
     let (mut step, mut accepted, mut sent) = (0, -1, None);
-    for (saying, length, course) in PLAN {
+    for &(saying, length, course) in plan {
         let from_us = step * 1000;
         record.phases.push(Phase {
             saying,
@@ -189,6 +193,21 @@ pub(super) fn sensor_every(k: i64) -> Record {
             message,
         });
     }
+    record
+}
+
+/// A robot that has the key.
+pub(super) fn signing_robot() -> Record {
+    let unsigned = (Saying::Unsigned, 300, IDLE);
+    let mut record = robot_told(&[&PLAN[..5], &[unsigned], &PLAN[5..]].concat());
+    record
+        .statuses
+        .iter_mut()
+        .for_each(|it| it.message.authenticated = true);
+    record.signed = Some(Signed {
+        taken: record.states.len() as u64,
+        ..Signed::default()
+    });
     record
 }
 
