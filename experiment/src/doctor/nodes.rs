@@ -132,6 +132,9 @@ fn node(status: &NodeStatus, url: &str) -> Finding {
             }
         }
     }
+    if !lockstep && !status.authenticated {
+        text += "; without a key (`touchdown keygen`)";
+    }
     if !lockstep && !status.realtime {
         text += "; without real-time rights";
         let program = format!("$(command -v {})", role_name(status.role));
@@ -161,7 +164,7 @@ mod tests {
         let mut status = Health::new(Role::Controller, hello).status();
         status.stamp.boot_id = 42;
         status.state = NodeState::Running;
-        status.realtime = true;
+        (status.realtime, status.authenticated) = (true, true);
         (status.clock_offset_s, status.clock_bound_s) = ([0.25, 0.0], [50e-6, 0.0]);
         status
     }
@@ -183,8 +186,9 @@ mod tests {
     #[test]
     fn the_worst_of_a_node_gives_the_remedy() {
         let mut status = controller();
-        status.realtime = false;
+        (status.realtime, status.authenticated) = (false, false);
         let found = node(&status, URL);
+        assert!(found.observed.contains("; without a key"), "{found:?}");
         assert_eq!(found.verdict, Verdict::Warning);
         assert!(found.remedy.unwrap().ends_with("+ep $(command -v controller)"));
         status.clock_bound_s[0] = 2e-3;

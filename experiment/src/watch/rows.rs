@@ -62,6 +62,8 @@ pub struct NodeRow {
     pub slip_s: f64,
     /// Whether it has real-time rights.
     pub realtime_rights: bool,
+    /// Whether its messages are signed.
+    pub authenticated: bool,
     /// Whether it works in lockstep.
     pub lockstep: bool,
 }

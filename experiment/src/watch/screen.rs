@@ -64,10 +64,7 @@ fn table_of_nodes(nodes: &[NodeRow]) -> Table<'static> {
                 ("silent".to_owned(), Style::new().fg(Color::Yellow).bold())
             }
             (None, true) => (row.state.clone(), Style::new().dim()),
-            (None, false) if !row.lockstep && !row.realtime_rights => {
-                (format!("{}, no rt rights", row.state), Style::new())
-            }
-            (None, false) => (row.state.clone(), Style::new()),
+            (None, false) => (row.state.clone() + &lacks(row), Style::new()),
         };
         let age = match row.age_s {
             Some(age_s) if age_s >= 1.0 => format!("{age_s:.1} s"),
@@ -92,6 +89,13 @@ fn table_of_nodes(nodes: &[NodeRow]) -> Table<'static> {
     Table::new(rows, widths).header(header(&[
         "node", "host", "state", "age", "Hz", "loss %", "lost", "bad", "missed",
     ]))
+}
+
+/// What a node in real time should have.
+fn lacks(row: &NodeRow) -> String {
+    let lacking = [(row.authenticated, "key"), (row.realtime_rights, "rt rights")];
+    let lacking = lacking.iter().filter(|(there, _)| !there && !row.lockstep);
+    lacking.map(|(_, what)| format!(", no {what}")).collect()
 }
 
 /// Messages that were meant for a node and have not reached it.

@@ -85,6 +85,7 @@ impl NodeRow {
             clocks: Vec::new(),
             slip_s: 0.0,
             realtime_rights: false,
+            authenticated: false,
             lockstep: false,
         }
     }
@@ -128,6 +129,7 @@ impl NodeRow {
                 .collect(),
             slip_s: status.slip_s,
             realtime_rights: status.realtime,
+            authenticated: status.authenticated,
             lockstep: Stamp::lockstep(0, status.hello.seed, status.role).boot_id == status.stamp.boot_id,
         }
     }
