@@ -43,7 +43,15 @@ impl Script {
         let mut command = Command::new(&self.python);
         command.arg("-B").arg(repository().join("examples/experiment.py"));
         command
-            .args(["--url", &self.plain_url, "--suffix", "_B", "--force-n", forces, "--types"])
+            .args([
+                "--url",
+                &self.plain_url,
+                "--suffix",
+                "_B",
+                "--force-n",
+                forces,
+                "--types",
+            ])
             .arg(&self.types);
         command.args(arguments).output().unwrap()
     }
