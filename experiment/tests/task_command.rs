@@ -124,7 +124,10 @@ fn nobody_s_answer_names_the_remedies() {
     let (code, _, stderr) = touchdown(&format!("task stop --url {}", port.device_url()));
     assert_eq!(code, 1, "{stderr}");
     assert!(
-        stderr.contains("within 2 s; start one, or name its URL with --url (on another host:"),
+        stderr.contains(
+            "within 2 s (without --key: one with a key does not answer); start one, or name its URL with --url (on another \
+             host:"
+        ),
         "{stderr}"
     );
 }
