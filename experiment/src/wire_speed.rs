@@ -41,6 +41,16 @@ pub struct Programs {
     pub overrides: Vec<String>,
 }
 
+impl Programs {
+    /// With one more override.
+    #[must_use]
+    pub fn with(&self, change: String) -> Self {
+        let mut changed = self.clone();
+        changed.overrides.push(change);
+        changed
+    }
+}
+
 /// Why there is no measurement.
 #[derive(Debug, thiserror::Error)]
 pub enum WireSpeedError {

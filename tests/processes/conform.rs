@@ -99,12 +99,9 @@ fn the_skeleton_of_a_robots_driver_keeps_the_contract() {
 #[test]
 fn under_a_key_both_drivers_sign_and_take_what_is_signed() {
     let bench = bench();
-    let python = match python::python() {
-        Ok(python) => python,
-        Err(error) => return eprintln!("SKIPPED: no Python with LCM: {error}"),
+    let Some(python) = python_with_types(&bench) else {
+        return;
     };
-    let types = bench.directory.path();
-    python::generate(&lcm_gen(), &repository().join("types"), types).unwrap();
     let path = bench.directory.path().join("cell.key");
     key_file::create(&path).unwrap();
     let key = ["--key", path.to_str().unwrap()];
@@ -116,6 +113,15 @@ fn under_a_key_both_drivers_sign_and_take_what_is_signed() {
     let _driver = Process::node(&bench, "examples/robot_driver", &key);
     let arguments = ["robot", "--move", "--command-gap-s", GAP_S, "--json"];
     all_kept(&conform(&bench, &[&arguments[..], &key].concat()));
+}
+
+/// A Python that has LCM, and the types in the directory of `bench`; `None`, said loudly: there is none.
+pub(super) fn python_with_types(bench: &Bench) -> Option<PathBuf> {
+    let python = python::python()
+        .inspect_err(|error| eprintln!("SKIPPED: no Python with LCM: {error}"))
+        .ok()?;
+    python::generate(&lcm_gen(), &repository().join("types"), bench.directory.path()).unwrap();
+    Some(python)
 }
 
 /// The skeleton in Python, whose types are generated in the directory of `bench`.
@@ -131,12 +137,9 @@ fn sensor(bench: &Bench, python: &Path, arguments: &[&str]) -> Process {
 #[test]
 fn a_sensor_in_python_keeps_the_contract_and_is_worked_with() {
     let bench = bench();
-    let python = match python::python() {
-        Ok(python) => python,
-        Err(error) => return eprintln!("SKIPPED: no Python with LCM: {error}"),
+    let Some(python) = python_with_types(&bench) else {
+        return;
     };
-    let types = bench.directory.path();
-    python::generate(&lcm_gen(), &repository().join("types"), types).unwrap();
     let mut link = LcmBuilder::open(&bench.plan.wiring.watch).unwrap();
     let statuses = link.subscribe::<ControllerStatus>(64);
     let _link = link.start().unwrap();

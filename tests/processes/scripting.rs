@@ -1,6 +1,6 @@
 //! The experiment in Python: a cell is started, changed, watched and stopped by the wire contract alone.
 
-use super::conform::lcm_gen;
+use super::conform::python_with_types;
 use super::up::{LONG, WHOLE, cell, up};
 use crate::python;
 use lcmtypes::LcmBuilder;
@@ -25,11 +25,8 @@ struct Script {
 impl Script {
     /// `None`, which is said: there is no Python for it.
     fn of(bench: &Bench) -> Option<Self> {
-        let python = python::python()
-            .inspect_err(|error| eprintln!("SKIPPED: no Python with LCM: {error}"))
-            .ok()?;
+        let python = python_with_types(bench)?;
         let types = bench.directory.path().to_owned();
-        python::generate(&lcm_gen(), &repository().join("types"), &types).unwrap();
         let plain_url = bench.plan.wiring.watch.clone();
         Some(Self {
             python,

@@ -146,9 +146,15 @@ fn a_forger_does_not_disturb_and_is_counted() {
         let status = site.heard.controller.unwrap();
         assert!(status.force_error_n.abs() < 1.0, "{} N", status.force_error_n);
         assert_eq!((status.fault, status.desired_wrench.force.z), (Fault::None, 10.0));
+        // On a busy machine it may have to settle again, but it stays in contact.
+        let phase = status.phase;
+        assert!(
+            matches!(phase, ControllerPhase::Contact | ControllerPhase::Settled),
+            "{phase:?}"
+        );
     }
     site.listen(Duration::from_millis(300));
-    assert_eq!(site.heard.phase(), Some(ControllerPhase::Settled));
+    until_settled(&mut site);
     assert_eq!(site.heard.robot.unwrap().fault, Fault::None);
     assert!(
         !site

@@ -56,6 +56,11 @@ struct Report<'a> {
 }
 
 pub(crate) fn run(bench: &Bench) -> Result<ExitCode> {
+    // What is counted is the same, and a bare process is no measurement of its own.
+    let timed = !matches!(bench, Bench::Detection(_) | Bench::Bare(_));
+    if timed && cfg!(debug_assertions) {
+        tracing::warn!("this is a debug build; `cargo build --release` gives the figures that count");
+    }
     match bench {
         Bench::Simulation(args) => simulation(args),
         Bench::Controller(args) => cycle::run(args),
@@ -70,9 +75,6 @@ pub(crate) fn run(bench: &Bench) -> Result<ExitCode> {
 
 fn simulation(args: &SimulationArgs) -> Result<ExitCode> {
     let (source, scenario) = args.scenario.read()?;
-    if cfg!(debug_assertions) {
-        tracing::warn!("this is a debug build; `cargo build --release` gives the figures that count");
-    }
     let cores = || std::thread::available_parallelism().map_or(1, usize::from);
     let threads = args.threads.threads.map_or_else(cores, usize::from);
     let ticks = scenario.timing.ticks();

@@ -57,9 +57,6 @@ struct Report<'a> {
 pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     distinct("--laws", &args.laws)?;
     let (source, scenario) = args.scenario.read()?;
-    if cfg!(debug_assertions) {
-        tracing::warn!("this is a debug build; `cargo build --release` gives the figures that count");
-    }
     let laws = args.laws.iter().map(|law| {
         let scenario = scenario.with(&[format!("controller.law={law}")])?;
         measure(law, &scenario, args.repetitions)

@@ -4,7 +4,6 @@ use super::network::in_lockstep;
 use super::{Header, ScenarioArgs, print, print_json};
 use anyhow::{Context, Result};
 use experiment::growth::{self, Amount, Growth};
-use experiment::wire_speed::Programs;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -55,23 +54,9 @@ struct Report<'a> {
 pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     let (source, scenario) = args.scenario.read()?;
     in_lockstep(&scenario)?;
-    if cfg!(debug_assertions) {
-        tracing::warn!("this is a debug build; `cargo build --release` gives the figures that count");
-    }
     let stop = node::shell::signals()?;
-    let directory = tempfile::tempdir()?;
-    let file = directory.path().join("scenario.toml");
-    std::fs::write(&file, &source.text)?;
-    let with_duration = |duration_s: f64| {
-        let overrides = [
-            &args.scenario.overrides[..],
-            &[format!("timing.duration_s={duration_s:?}")],
-        ];
-        Programs {
-            scenario: file.clone(),
-            overrides: overrides.concat(),
-        }
-    };
+    let (directory, programs) = args.scenario.programs(&source)?;
+    let with_duration = |duration_s: f64| programs.with(format!("timing.duration_s={duration_s:?}"));
     let limited_s = LONGEST_S.min(scenario.timing.duration_s);
     let timed = scenario.with(&[format!("timing.duration_s={limited_s:?}")])?;
     let amount = Amount {

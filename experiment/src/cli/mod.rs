@@ -43,6 +43,7 @@ use experiment::scenarios::{Source, SourceError};
 use experiment::sweep::SweepError;
 use experiment::tuning::TuningError;
 use experiment::up::UpError;
+use experiment::wire_speed::Programs;
 use impact::Unanswerable;
 use indicatif::{ProgressBar, ProgressStyle};
 use lcmtypes::LcmError;
@@ -51,6 +52,7 @@ use serde::Serialize;
 use std::fmt::Display;
 use std::io::{ErrorKind, IsTerminal, Write, stderr, stdout};
 use std::process::ExitCode;
+use tempfile::TempDir;
 
 /// The experiment, or what was checked, failed.
 const FAILED: u8 = 1;
@@ -120,6 +122,17 @@ impl ScenarioArgs {
         let source = Source::find(&self.scenario)?;
         let scenario = source.scenario(&self.overrides)?;
         Ok((source, scenario))
+    }
+
+    /// The same for programs that are started: `source` as a file in a directory, which is removed when it is dropped.
+    fn programs(&self, source: &Source) -> Result<(TempDir, Programs)> {
+        let directory = tempfile::tempdir()?;
+        let programs = Programs {
+            scenario: directory.path().join("scenario.toml"),
+            overrides: self.overrides.clone(),
+        };
+        std::fs::write(&programs.scenario, &source.text)?;
+        Ok((directory, programs))
     }
 }
 

@@ -34,9 +34,6 @@ struct Report<'a> {
 pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     let (source, scenario) = args.scenario.read()?;
     let python = python::with("mujoco", args.python.as_deref())?;
-    if cfg!(debug_assertions) {
-        tracing::warn!("this is a debug build; `cargo build --release` gives the figures that count");
-    }
     let rows = compare(&python, &scenario, args.repetitions)?;
     if args.json {
         print_json(&Report {

@@ -3,7 +3,6 @@
 use super::{Header, ScenarioArgs, WrongUsage, print, print_json};
 use anyhow::{Result, ensure};
 use experiment::in_process;
-use experiment::wire_speed::Programs;
 use experiment::wire_speed::cycles::{self, Amount, Pace, Receive, Row};
 use experiment::wire_speed::ring::{self, Lockstep};
 use experiment::wire_speed::signatures;
@@ -87,33 +86,24 @@ pub(super) fn in_lockstep(scenario: &Scenario) -> Result<()> {
 pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     let (source, scenario) = args.scenario.read()?;
     in_lockstep(&scenario)?;
-    if cfg!(debug_assertions) {
-        tracing::warn!("this is a debug build; `cargo build --release` gives the figures that count");
-    }
     let ways = ways(args.python.as_deref())?;
     let stop = node::shell::signals()?;
-    let directory = tempfile::tempdir()?;
-    let file = directory.path().join("scenario.toml");
-    std::fs::write(&file, &source.text)?;
+    let (_directory, programs) = args.scenario.programs(&source)?;
     let amount = Amount {
         turns: args.turns,
         cycles: args.cycles,
     };
     let limited = format!("timing.duration_s={}", LONGEST_S.min(scenario.timing.duration_s));
     let timed = scenario.with(std::slice::from_ref(&limited))?;
-    let programs_with = |change: &str| Programs {
-        scenario: file.clone(),
-        overrides: [&args.scenario.overrides[..], &[change.to_owned()]].concat(),
-    };
     let started = clock::now();
     in_process::run(&timed, |_| ());
     let in_process_ticks_per_s = timed.timing.ticks() as f64 / (clock::now() - started).as_secs_f64();
     // A ring goes round for as long as it is looked at.
-    let endless = programs_with("timing.duration_s=86400");
+    let endless = programs.with("timing.duration_s=86400".to_owned());
     let window = Duration::from_secs_f64(args.seconds);
     let lockstep = ring::compare(&endless, &timed, args.repetitions, window, &stop)?;
     let paces = [Pace::HZ_250, Pace::HZ_1000, Pace::UNPACED];
-    let loops = cycles::measure(&ways, &paces, amount, &programs_with(&limited), &timed, &stop)?;
+    let loops = cycles::measure(&ways, &paces, amount, &programs.with(limited), &timed, &stop)?;
     let own = |pace: Pace| {
         let found = loops
             .iter()

@@ -3,7 +3,6 @@
 use super::{Header, ScenarioArgs, print, print_json};
 use anyhow::Result;
 use experiment::upkeep::{self, Row, StartUp};
-use experiment::wire_speed::Programs;
 use serde::Serialize;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -39,17 +38,8 @@ struct Report<'a> {
 
 pub(crate) fn run(args: &Args) -> Result<ExitCode> {
     let (source, scenario) = args.scenario.read()?;
-    if cfg!(debug_assertions) {
-        tracing::warn!("this is a debug build; `cargo build --release` gives the figures that count");
-    }
     let stop = node::shell::signals()?;
-    let directory = tempfile::tempdir()?;
-    let file = directory.path().join("scenario.toml");
-    std::fs::write(&file, &source.text)?;
-    let programs = Programs {
-        scenario: file,
-        overrides: args.scenario.overrides.clone(),
-    };
+    let (directory, programs) = args.scenario.programs(&source)?;
     let start_up = upkeep::start_up(&programs, args.repetitions, &directory.path().join("out"), &stop)?;
     let window = Duration::from_secs_f64(args.seconds);
     let mut rows = Vec::new();

@@ -1,6 +1,6 @@
 //! The browser: one page that needs no network, served on 127.0.0.1 alone.
 //!
-//! A browser gets the page and then a stream of events, each with all rows and the points since the event before. Nothing is
+//! A browser gets the page, its style and the script that draws, and then a stream of events, each with all rows and the points since the event before. Nothing is
 //! queued for it: a slow one gets fewer events, one that does not read at all is let go, and what it may ask for is bounded in
 //! size, number and time.
 
@@ -18,13 +18,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// The page: markup, and the script that draws.
-const PAGE: &str = concat!(
-    include_str!("web/page.html"),
-    "<script>\n",
-    include_str!("web/page.js"),
-    "</script>\n"
-);
 /// Longest head of a request, bytes.
 const LONGEST_HEAD: usize = 8 * 1024;
 /// A client has so long to ask, and to take what is sent.
@@ -145,11 +138,11 @@ fn refuse(mut stream: TcpStream) {
 }
 
 fn head(status: &str, kind: &str, more: &str) -> String {
-    // What the page brings along is all that it may use; no other page may read it.
+    // What this server has is all that the page may use; no other page may read it.
     format!(
         "HTTP/1.1 {status}\r\ncontent-type: {kind}; charset=utf-8\r\ncache-control: no-store\r\n\
          x-content-type-options: nosniff\r\nx-frame-options: DENY\r\ncontent-security-policy: default-src 'none'; \
-         script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self'; img-src data:\r\n{more}\r\n"
+         script-src 'self'; style-src 'self'; connect-src 'self'; img-src data:\r\n{more}\r\n"
     )
 }
 
@@ -161,7 +154,7 @@ fn serve(mut stream: TcpStream, shown: &Shown, stopped: &Receiver<()>) -> io::Re
     };
     let asked = read_head(&mut stream)?;
     match answer(&asked, stream.local_addr()?.port()) {
-        Answer::Page => stream.write_all(whole("200 OK", "text/html", PAGE).as_bytes()),
+        Answer::File(file) => stream.write_all(whole("200 OK", file.kind, file.text).as_bytes()),
         Answer::Nothing(status) => stream.write_all(whole(status, "text/plain", status).as_bytes()),
         Answer::Events => {
             stream.write_all(head("200 OK", "text/event-stream", "connection: close\r\n").as_bytes())?;

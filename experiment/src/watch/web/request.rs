@@ -5,11 +5,39 @@ use httparse::{EMPTY_HEADER, Request, Status};
 /// So many header lines are read.
 const MOST_HEADERS: usize = 64;
 
+/// A file of the page.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct File {
+    path: &'static str,
+    /// Its media type.
+    pub(super) kind: &'static str,
+    pub(super) text: &'static str,
+}
+
+/// The page, its style, and the script that draws.
+const FILES: &[File] = &[
+    File {
+        path: "/",
+        kind: "text/html",
+        text: include_str!("page.html"),
+    },
+    File {
+        path: "/page.css",
+        kind: "text/css",
+        text: include_str!("page.css"),
+    },
+    File {
+        path: "/page.js",
+        kind: "text/javascript",
+        text: include_str!("page.js"),
+    },
+];
+
 /// What it gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Answer {
-    /// The page.
-    Page,
+    /// This file.
+    File(&'static File),
     /// The stream of events.
     Events,
     /// This status.
@@ -37,10 +65,11 @@ pub(super) fn answer(head: &[u8], port: u16) -> Answer {
     if second.is_some() || !host.is_some_and(|host| meant(host.value)) {
         return Answer::Nothing("421 Misdirected Request");
     }
-    match request.path {
-        Some("/") => Answer::Page,
-        Some("/events") => Answer::Events,
-        _ => Answer::Nothing("404 Not Found"),
+    let path = request.path.unwrap_or_default();
+    match FILES.iter().find(|file| file.path == path) {
+        Some(file) => Answer::File(file),
+        None if path == "/events" => Answer::Events,
+        None => Answer::Nothing("404 Not Found"),
     }
 }
 
@@ -55,7 +84,17 @@ mod tests {
     #[test]
     fn page_and_events_are_all_there_is() {
         let get = |path: &str, host: &str| asked(&format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n"));
-        assert_eq!(get("/", "127.0.0.1:8765"), Answer::Page);
+        for (path, kind) in [
+            ("/", "text/html"),
+            ("/page.css", "text/css"),
+            ("/page.js", "text/javascript"),
+        ] {
+            let Answer::File(file) = get(path, "127.0.0.1:8765") else {
+                panic!("{path} is not there");
+            };
+            assert_eq!((file.path, file.kind), (path, kind));
+            assert!(path != "/" || (file.text.contains("\"page.css\"") && file.text.contains("\"page.js\"")));
+        }
         assert_eq!(get("/events", "localhost:8765"), Answer::Events);
         assert_eq!(
             get("/../etc/passwd", "localhost:8765"),

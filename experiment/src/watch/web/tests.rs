@@ -46,12 +46,18 @@ fn event(lines: &mut impl BufRead) -> serde_json::Value {
 fn the_page_needs_nothing_from_elsewhere() {
     let (server, _shown) = server();
     assert!(server.address().ip().is_loopback());
-    let page = whole(ask(&server, "/"));
-    assert!(page.starts_with("HTTP/1.1 200 OK\r\n"), "{page}");
-    assert!(page.contains("new EventSource('/events')"));
-    for elsewhere in ["http://", "https://", "src=", "@import", "url("] {
-        assert!(!page.contains(elsewhere), "{elsewhere}");
+    let pages = ["/", "/page.css", "/page.js"].map(|path| whole(ask(&server, path)));
+    for page in &pages {
+        assert!(page.starts_with("HTTP/1.1 200 OK\r\n"), "{page}");
+        // Nothing that stands in the page itself runs.
+        assert!(page.contains("script-src 'self'; style-src 'self';"), "{page}");
+        for elsewhere in ["http://", "https://", "//", "@import", "url("] {
+            let text = page.replace("// ", "");
+            assert!(!text.contains(elsewhere), "{elsewhere}");
+        }
     }
+    assert!(pages[0].contains("<script src=\"page.js\"></script>"));
+    assert!(pages[2].contains("new EventSource('/events')"));
 }
 
 #[test]
