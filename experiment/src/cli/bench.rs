@@ -56,12 +56,7 @@ struct Report<'a> {
 }
 
 pub(crate) fn run(bench: &Bench) -> Result<ExitCode> {
-    // What is counted is the same, and a bare process is no measurement of its own.
-    let timed = !matches!(bench, Bench::Detection(_) | Bench::Bare(_));
-    if timed && cfg!(debug_assertions) {
-        tracing::warn!("this is a debug build; `cargo build --release` gives the figures that count");
-    }
-    match bench {
+    let code = match bench {
         Bench::Simulation(args) => simulation(args),
         Bench::Controller(args) => cycle::run(args),
         Bench::Network(args) => network::run(args),
@@ -70,7 +65,13 @@ pub(crate) fn run(bench: &Bench) -> Result<ExitCode> {
         Bench::Mujoco(args) => mujoco::run(args),
         Bench::Bare(args) => bare::run(args),
         Bench::Detection(args) => detection::run(args),
+    }?;
+    // What is counted is the same, and a bare process is no measurement of its own.
+    let timed = !matches!(bench, Bench::Detection(_) | Bench::Bare(_));
+    if timed && cfg!(debug_assertions) {
+        tracing::warn!("this was a debug build; `cargo build --release` gives the figures that count");
     }
+    Ok(code)
 }
 
 fn simulation(args: &SimulationArgs) -> Result<ExitCode> {
