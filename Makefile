@@ -16,7 +16,7 @@ tuned_laws := pd,pd-reset,proposed,impedance,ros2,fzi
 alone := --gains default,tuned --set controller.oscillation.enabled=false
 both := $(alone) --laws $(all_laws)
 
-.PHONY: help demo report laws tune maps elastic free-motion keys test bits bench speed faults doctor build install uninstall check format lint doc clean
+.PHONY: help demo report laws tune maps elastic free-motion keys test bits bench speed faults hostile doctor build install uninstall check format lint doc clean
 
 help: ## list the targets (default)
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 13
@@ -106,6 +106,11 @@ faults: ## what goes wrong in real time, when, and what comes of it (10 min): do
 	@./setup.sh test cargo build --workspace --bins --locked
 	@target/debug/faults >target/faults.txt 2>target/faults.log; status=$$?; \
 		mv target/faults.txt docs/faults.txt; cat docs/faults.txt; exit $$status
+
+hostile: ## what an attacker without a key can do in real time, and what comes of it (8 min): docs/hostile.txt
+	@./setup.sh test cargo build --workspace --bins --locked
+	@target/debug/hostile >target/hostile.txt 2>target/hostile.log; status=$$?; \
+		mv target/hostile.txt docs/hostile.txt; cat docs/hostile.txt; exit $$status
 
 doctor: ## is this host fit for LCM over UDP multicast?
 	@$(build)

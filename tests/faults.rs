@@ -57,7 +57,7 @@ pub struct Outcome {
 }
 
 /// Ticks that braking takes at the approach's speed: the command filter comes to rest.
-const BRAKING_TICKS: i64 = 150;
+pub(crate) const BRAKING_TICKS: i64 = 150;
 
 impl Outcome {
     /// What was promised and not kept.
@@ -81,7 +81,7 @@ impl Outcome {
 }
 
 /// What the scenario presses with, N.
-const DESIRED_N: f64 = 10.0;
+pub(crate) const DESIRED_N: f64 = 10.0;
 
 /// Send what has been sent once more, and what has not been yet.
 fn replay(site: &mut Site) {
@@ -250,7 +250,7 @@ pub fn inflict(setting: &Setting<'_>, injury: Injury, moment: Moment) -> Result<
 
 /// A site at `moment`. A machine that is busy with other things may hold a process up for longer than the robot waits:
 /// that is another fault than the one that is to be seen.
-fn reach(setting: &Setting<'_>, moment: Moment) -> Result<Site, Box<dyn Error>> {
+pub(crate) fn reach(setting: &Setting<'_>, moment: Moment) -> Result<Site, Box<dyn Error>> {
     let mut phase = None;
     for _ in 0..3 {
         let mut site = Site::start(setting)?;
@@ -263,7 +263,7 @@ fn reach(setting: &Setting<'_>, moment: Moment) -> Result<Site, Box<dyn Error>> 
 }
 
 /// Reset, start, and the force once it has settled.
-fn again(site: &mut Site) -> Result<f64, String> {
+pub fn again(site: &mut Site) -> Result<f64, String> {
     let works = |heard: &Heard| {
         heard
             .controller

@@ -22,6 +22,9 @@ use std::time::Duration;
 
 /// Whoever asks by `TASK`.
 const ASKER: i64 = 4242;
+/// What an attacker leaves in what it forges, so that it is not taken for a node's: in `session`, and for a status in what was
+/// expected.
+pub const FORGED: i64 = 0x0bad_0bad;
 /// How long something may take that has to come.
 pub const LONG: Duration = Duration::from_secs(20);
 
@@ -29,21 +32,22 @@ pub const LONG: Duration = Duration::from_secs(20);
 pub struct Site {
     /// Where it runs.
     pub bench: Bench,
-    /// What joins the device channels; the simulated world has one of its own that impairs nothing.
-    pub relay: Relay,
+    /// What joins the device channels; `None`: nothing does, they share a port.
+    relay: Option<Relay>,
     /// The programs.
     pub cell: Cell,
     /// What is heard.
     pub heard: Heard,
-    /// Ports of the device channels: by role, then the watching one's.
-    pub ports: Vec<u16>,
+    /// Ports of the device channels where each has its own: by role, then the watching one's.
+    ports: Vec<u16>,
     device: Lcm,
     subscriptions: Subscriptions,
     asked: i64,
     /// What requests are signed with.
     operator: Option<Gate>,
     _others: [Lcm; 2],
-    _world_relay: Relay,
+    /// The simulated world's, which impairs nothing.
+    _world_relay: Option<Relay>,
 }
 
 /// What is run, and where.
@@ -61,6 +65,10 @@ pub struct Setting<'a> {
     pub hosts: Option<&'a Hosts>,
     /// Key file of all programs, and of who asks.
     pub key: Option<&'a Path>,
+    /// By role: what starts its program, such as with fewer rights; empty: nothing.
+    pub through: [&'a [&'a str]; 3],
+    /// All on the same ports of one host, with nothing between that could keep an attacker's packets from anybody.
+    pub shared: bool,
 }
 
 impl Default for Setting<'_> {
@@ -72,6 +80,8 @@ impl Default for Setting<'_> {
             flags: [&[], &[], &[]],
             hosts: None,
             key: None,
+            through: [&[], &[], &[]],
+            shared: false,
         }
     }
 }
@@ -158,9 +168,13 @@ impl Site {
         let always = ["timing.mode=realtime", "timing.duration_s=3600"];
         let all: Vec<_> = always.iter().chain(setting.overrides).copied().collect();
         let mut bench = Bench::of(setting.scenario, &all)?;
-        let [device, world] = bench.separate()?;
+        let separate = match setting.shared {
+            true => None,
+            false => Some(bench.separate()?),
+        };
         let flags = |flags: &[&str]| flags.iter().map(|&flag| flag.to_owned()).collect();
         bench.plan.flags = setting.flags.map(flags);
+        bench.plan.through = setting.through.map(flags);
         let keys = setting.key.map(Path::to_path_buf);
         let keyring = key_file::read_all(keys.as_slice())?;
         for (flags, key) in bench.plan.flags.iter_mut().zip(keys.iter().cycle()) {
@@ -171,8 +185,15 @@ impl Site {
             bench.plan.through = hosts.through();
             bench.plan.wiring.leave_host();
         }
-        let relay = Relay::start(std::slice::from_ref(&device), ttl, setting.impairment)?;
-        let world_relay = Relay::start(&[world], ttl, Impairment::default())?;
+        let [device, world] = separate.unwrap_or_default();
+        let relay = |ports: &Vec<u16>, impairment| match ports.is_empty() {
+            true => Ok(None),
+            false => Relay::start(std::slice::from_ref(ports), ttl, impairment).map(Some),
+        };
+        let (relay, world_relay) = (
+            relay(&device, setting.impairment)?,
+            relay(&world, Impairment::default())?,
+        );
         let mut link = LcmBuilder::open(&bench.plan.wiring.watch)?;
         // The robot's own port: what it says is heard however it is cut off.
         let mut own = LcmBuilder::open(&bench.plan.wiring.device[Role::Robot as usize])?;
@@ -221,7 +242,7 @@ impl Site {
                 },
                 recv(from.controllers.receiver()) -> it => heard.controller = it.ok().map(|it| it.message),
                 recv(from.truths.receiver()) -> it => if let Ok(it) = it { heard.take_truth(&it.message) },
-                recv(from.nodes.receiver()) -> it => if let Ok(it) = it {
+                recv(from.nodes.receiver()) -> it => if let Ok(it) = it && it.message.fault_expected != FORGED {
                     heard.nodes[it.message.role as usize] = Some(it.message);
                 },
                 default(left) => {}
@@ -282,13 +303,18 @@ impl Site {
 
     /// Cut the node in `role` off from the others' device channels, or join it again.
     pub fn cut(&self, role: Role, off: bool) {
-        self.relay.cut(self.ports[role as usize], off);
+        if let (Some(relay), Some(port)) = (&self.relay, self.ports.get(role as usize)) {
+            relay.cut(*port, off);
+        }
     }
 }
 
 /// A message; under a key, only if it is signed and new.
 fn genuine<M: Signed>(gate: &mut Option<Gate>, it: Result<Received<M>, RecvError>) -> Option<M> {
     let message = it.ok()?.message;
-    let takes = gate.as_mut().is_none_or(|gate| gate.admit(&message).is_ok());
+    let takes = match gate {
+        Some(gate) => gate.admit(&message).is_ok(),
+        None => message.authenticity().session != FORGED,
+    };
     takes.then_some(message)
 }

@@ -14,7 +14,7 @@ use crossbeam::select;
 use lcmtypes::{Lcm, LcmBuilder, Subscription};
 use node::clock;
 use node::greeting::role_name;
-use spatial::ports::{Fault, NodeState, NodeStatus, Role};
+use spatial::ports::{NodeState, NodeStatus, Role};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -212,7 +212,8 @@ impl Cell {
     }
 
     fn faults(&self, status: &NodeStatus) -> Result<(), LaunchError> {
-        if status.fault == Fault::None {
+        // A node that only tells of one, such as of a record that can't be written, works.
+        if status.state != NodeState::Fault {
             return Ok(());
         }
         let node = self.nodes.iter().find(|node| node.role == status.role);

@@ -7,7 +7,6 @@ pub mod compare;
 pub mod conditions;
 pub mod conform;
 pub mod cost;
-mod datagram;
 pub mod detection;
 pub mod doctor;
 pub mod export;

@@ -4,7 +4,7 @@ pub mod sidecar;
 
 use crate::transcript::Entry;
 use lcmtypes::schema::Type;
-use lcmtypes::{CHANNELS, DecodeError, EventLogReader, LogError, Message, Suffix};
+use lcmtypes::{CHANNELS, DecodeError, Event, EventLogReader, LogError, Message, Suffix};
 use node::record::HEARD;
 use serde::Serialize;
 use spatial::ports::{NodeStatus, Stamp, Task};
@@ -133,9 +133,18 @@ impl Log {
     /// The same of the cell whose channels end in `suffix` there: logs of the network hold all cells, those of
     /// `touchdown run --record` and of the nodes have plain names.
     pub fn of_cell(path: &Path, suffix: &Suffix) -> Result<Self, NoLog> {
+        Self::from_events(path, suffix, EventLogReader::open(path)?)
+    }
+
+    /// The same of the log `path` whose events have been read.
+    pub fn from_events(
+        path: &Path,
+        suffix: &Suffix,
+        read: impl Iterator<Item = Result<Event, LogError>>,
+    ) -> Result<Self, NoLog> {
         let mut log = Self::of(path, Vec::new());
         let mut events = 0;
-        for event in EventLogReader::open(path)? {
+        for event in read {
             match event {
                 Ok(event) => {
                     events += 1;

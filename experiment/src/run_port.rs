@@ -9,7 +9,7 @@ mod error;
 
 pub use error::RunPortError;
 
-use crate::datagram;
+use lcmtypes::datagram;
 use std::fmt;
 use std::io::{self, ErrorKind};
 use std::net::{Ipv4Addr, SocketAddr, TcpListener, UdpSocket};

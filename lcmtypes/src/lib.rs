@@ -24,6 +24,7 @@
 //! The contract itself, for those who speak it in another language, is in `lcmtypes/README.md`.
 
 mod codec;
+pub mod datagram;
 mod error;
 mod event_log;
 mod inboxes;

@@ -1,10 +1,11 @@
 //! A link to other programs: subscribe first, then start, then publish and receive.
 
+use crate::datagram::LONGEST_NAME;
 use crate::error::{LcmError, Refusal};
 use crate::inboxes::Inbox;
 use crate::liblcm::{self, Handle};
 use crate::message::{Encoded, Message};
-use crate::multicast::{self, LONGEST_NAME};
+use crate::multicast;
 use crate::router::{RawMessage, Router, Subscription, now};
 use crate::suffix::Suffix;
 use crate::tally::{Counters, Tally};

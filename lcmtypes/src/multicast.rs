@@ -5,6 +5,7 @@
 //! of its defects can be reached from the network (a forged fragment makes it copy outside its buffer, a packet
 //! without the zero delivers a length of 2^32 - 1, a firewall blocks it for 10 s).
 
+use crate::datagram;
 use crate::error::LcmError;
 use crate::kernel;
 use crate::router::{Router, SELF_TEST, now};
@@ -15,10 +16,6 @@ use std::net::{Ipv4Addr, UdpSocket};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// First four bytes of a message of a single packet, "LC02".
-const SHORT: [u8; 4] = *b"LC02";
-/// Longest name of a channel, bytes.
-pub(crate) const LONGEST_NAME: usize = 63;
 /// Largest UDP packet.
 pub(crate) const LARGEST_PACKET: usize = 65_536;
 /// So many packets are delivered before the thread that receives does something else.
@@ -132,7 +129,8 @@ pub(crate) fn probe(group: &Group) -> Result<(), LcmError> {
     let sender = open().map_err(no_route)?;
     sender.set_multicast_ttl_v4(group.ttl.into()).map_err(no_route)?;
     sender.set_multicast_loop_v4(true).map_err(no_route)?;
-    let message = [&SHORT[..], &[0; 4], SELF_TEST.as_bytes(), b"\0lcm self test"].concat();
+    let mut message = Vec::new();
+    datagram::join(&mut message, 0, SELF_TEST, b"lcm self test");
     for _ in 0..ATTEMPTS {
         sender.send_to(&message, &address.into()).map_err(no_route)?;
         if receiver.hears_self_test() {
@@ -153,7 +151,8 @@ impl Receiver {
         (0..1000)
             .map_while(|_| {
                 self.socket.recv(&mut buffer).ok().map(|length| {
-                    parse(&buffer[..length]).is_some_and(|(channel, _)| channel == SELF_TEST.as_bytes())
+                    datagram::split(&buffer[..length])
+                        .is_some_and(|(channel, _)| channel == SELF_TEST.as_bytes())
                 })
             })
             .any(|heard| heard)
@@ -161,18 +160,10 @@ impl Receiver {
 }
 
 fn deliver(router: &Router, packet: &[u8], received_at: Instant) {
-    match parse(packet) {
+    match datagram::split(packet) {
         Some((channel, bytes)) => router.dispatch(channel, bytes, received_at),
         None => router.malformed(packet.len()),
     }
-}
-
-/// Channel and encoding of a message of a single packet.
-fn parse(packet: &[u8]) -> Option<(&[u8], &[u8])> {
-    let (head, rest) = packet.split_first_chunk::<8>()?;
-    let end = rest.iter().take(LONGEST_NAME + 1).position(|&byte| byte == 0)?;
-    let (channel, bytes) = (&rest[..end], &rest[end + 1..]);
-    (head.starts_with(&SHORT) && !channel.is_empty()).then_some((channel, bytes))
 }
 
 fn open() -> io::Result<Socket> {

@@ -1,7 +1,7 @@
 //! From a packet to the subscriptions that want it.
 
 use crate::error::Refusal;
-use crate::message::Message;
+use crate::message::{CHANNELS, Message};
 use crate::suffix::Suffix;
 use crate::tally::{Counters, Tally};
 use crossbeam::channel::{Receiver, Sender, TrySendError, bounded};
@@ -117,6 +117,15 @@ impl Route for Everything {
     }
 }
 
+/// Whether a channel is of this contract, this cell's or that of another one with a suffix, or LCM's own.
+fn is_known(name: &[u8]) -> bool {
+    let of = |channel: &&str| {
+        name.strip_prefix(channel.as_bytes())
+            .is_some_and(|suffix| suffix.is_empty() || suffix.starts_with(b"_"))
+    };
+    name == SELF_TEST.as_bytes() || CHANNELS.iter().any(of)
+}
+
 /// All subscriptions of a link. One thread delivers.
 pub(crate) struct Router {
     suffix: Suffix,
@@ -177,20 +186,31 @@ impl Router {
     }
 
     /// Delivers a message that has just arrived to whom it concerns. Never panics: C code may be the caller.
-    pub(crate) fn dispatch(&self, channel: &[u8], bytes: &[u8], received_at: Instant) {
-        let Some(channel) = self.suffix.strip_bytes(channel) else {
-            return;
-        };
+    pub(crate) fn dispatch(&self, name: &[u8], bytes: &[u8], received_at: Instant) {
+        let wanted = self
+            .suffix
+            .strip_bytes(name)
+            .is_some_and(|channel| self.deliver(channel, bytes, received_at));
+        if !wanted && !is_known(name) {
+            self.tally.pass_over();
+        }
+    }
+
+    /// Whether anybody wanted it.
+    fn deliver(&self, channel: &[u8], bytes: &[u8], received_at: Instant) -> bool {
+        let mut wanted = false;
         for (route, tally) in &self.routes {
-            let deliver = || {
+            let mut deliver = || {
                 if route.wants(channel) {
+                    wanted = true;
                     route.deliver(channel, bytes, received_at);
                 }
             };
-            if catch_unwind(AssertUnwindSafe(deliver)).is_err() {
+            if catch_unwind(AssertUnwindSafe(&mut deliver)).is_err() {
                 tally.refuse(Refusal::Panicked);
             }
         }
+        wanted
     }
 
     /// Counts a packet that is no message.

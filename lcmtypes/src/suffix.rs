@@ -1,6 +1,6 @@
 //! Several cells on one group and port: each adds a suffix of its own to the names of all its channels.
 
-use crate::multicast::LONGEST_NAME;
+use crate::datagram::LONGEST_NAME;
 use std::ffi::CStr;
 use std::fmt;
 

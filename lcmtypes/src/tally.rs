@@ -18,6 +18,8 @@ pub struct Counters {
     pub undecodable: u64,
     /// Packets that are no LCM message of a single packet (counted per link).
     pub malformed: u64,
+    /// On channels that are none of this contract's (counted per link).
+    pub foreign: u64,
     /// Panics while delivering.
     pub panics: u64,
 }
@@ -35,6 +37,7 @@ impl Add for Counters {
             },
             undecodable: self.undecodable + other.undecodable,
             malformed: self.malformed + other.malformed,
+            foreign: self.foreign + other.foreign,
             panics: self.panics + other.panics,
         }
     }
@@ -47,6 +50,7 @@ pub(crate) struct Tally {
     dropped: AtomicU64,
     undecodable: AtomicU64,
     malformed: AtomicU64,
+    foreign: AtomicU64,
     panics: AtomicU64,
     refusal: Mutex<Option<Refusal>>,
 }
@@ -59,6 +63,10 @@ impl Tally {
 
     pub(crate) fn drop_oldest(&self) {
         self.dropped.fetch_add(1, Relaxed);
+    }
+
+    pub(crate) fn pass_over(&self) {
+        self.foreign.fetch_add(1, Relaxed);
     }
 
     pub(crate) fn refuse(&self, refusal: Refusal) {
@@ -79,6 +87,7 @@ impl Tally {
             kernel_dropped: None,
             undecodable: self.undecodable.load(Relaxed),
             malformed: self.malformed.load(Relaxed),
+            foreign: self.foreign.load(Relaxed),
             panics: self.panics.load(Relaxed),
         }
     }

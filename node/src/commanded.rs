@@ -15,6 +15,9 @@ use spatial::ports::{Command, Deflections, Fault};
 /// Slower than this an axis stands, rad/s.
 pub const STANDING_RAD_PER_S: f64 = 2e-3;
 
+/// The sensor's newest sample is believed for so long if older ones follow it, ticks.
+const MISLED: i64 = 500;
+
 /// A robot under command.
 #[derive(Clone, Debug)]
 pub struct Commanded {
@@ -72,10 +75,13 @@ impl Commanded {
     /// The sensor that is worked with has said this before `tick`.
     pub fn sense(&mut self, tick: i64, deflections: &Deflections) {
         let valid = deflections.samples.iter().filter(|sample| sample.flags.valid);
-        if let (Some(known), Some(utime)) = (&mut self.sensor, valid.map(|sample| sample.utime).max())
-            && utime > known.utime
-        {
-            *known = Sensed { utime, tick };
+        if let (Some(known), Some(utime)) = (&mut self.sensor, valid.map(|sample| sample.utime).max()) {
+            if utime > known.utime {
+                *known = Sensed { utime, tick };
+            } else if utime < known.utime && tick - known.tick > MISLED {
+                // Nobody's time goes back for long: the newest sample was none of the sensor's.
+                known.utime = utime;
+            }
         }
     }
 
@@ -212,5 +218,8 @@ mod tests {
             RobotMode::Armed
         );
         assert_eq!(mode(false, |_| None), RobotMode::Following);
+        // A sample of the far future in the sensor's name.
+        let lie = |tick: i64| Some(deflections(if tick == 0 { i64::MAX } else { 1000 * tick }, true));
+        assert_eq!(mode(true, lie), RobotMode::Following);
     }
 }

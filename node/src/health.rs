@@ -194,6 +194,17 @@ impl Health {
         true
     }
 
+    /// Tell of `fault`, which does not keep the node from working. One that is latched, or told, stays; one that is latched
+    /// later takes its place.
+    pub fn tell(&mut self, fault: Fault) -> bool {
+        let first = self.status.fault == Fault::None;
+        if first {
+            self.status.fault = fault;
+            self.status.fault_step = self.status.stamp.step;
+        }
+        first
+    }
+
     /// Whether a fault is latched.
     pub fn faulty(&self) -> bool {
         self.status.state == NodeState::Fault
@@ -247,6 +258,17 @@ mod tests {
             (NodeState::Fault, Fault::LockstepBroken, Role::Robot)
         );
         assert_eq!((status.fault_expected, status.fault_found), (4, 12));
+    }
+
+    #[test]
+    fn what_is_told_does_not_stop_a_node_and_gives_way_to_what_does() {
+        let mut health = Health::new(Role::Controller, Hello::default());
+        assert!(health.tell(Fault::RecordFailed) && !health.tell(Fault::RecordFailed));
+        assert!(!health.faulty());
+        assert_eq!(health.status().fault, Fault::RecordFailed);
+        assert!(health.latch(Fault::HelloMismatch, Role::Robot, 1, 2));
+        assert!(health.faulty() && !health.tell(Fault::RecordFailed));
+        assert_eq!(health.status().fault, Fault::HelloMismatch);
     }
 
     #[test]

@@ -14,7 +14,7 @@ use crate::record::{Direction, Recorder, WhenFull};
 use crate::scenario::{Scenario, TimingMode};
 use anyhow::Context;
 use lcmtypes::{Counters, Encoded, Inboxes, Lcm, LcmBuilder, Message, Woken};
-use spatial::ports::{NodeStatus, Role};
+use spatial::ports::{Fault, NodeStatus, Role};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -55,6 +55,8 @@ pub struct Shell {
     pub health: Health,
     inboxes: Inboxes,
     recorder: Option<Recorder>,
+    /// A record that can't be written any more.
+    lost: Option<Recorder>,
     /// In real time.
     flight: Option<FlightRecorder>,
     role: Role,
@@ -100,6 +102,7 @@ impl Flags {
             health,
             inboxes,
             recorder,
+            lost: None,
             flight: None,
             role,
             greeted: false,
@@ -188,7 +191,21 @@ impl Shell {
             .as_ref()
             .map_or(Ok(()), |recorder| recorder.record(utime, direction, encoded));
         if let Err(problem) = recorded {
-            self.report(&problem);
+            self.lose_record(&problem);
+        }
+    }
+
+    /// The record can't be written any more. In lockstep that is the end: the run can be made again. In real time something is
+    /// controlled, which goes on.
+    fn lose_record(&mut self, problem: &Problem) {
+        match self.scenario.timing.mode {
+            TimingMode::Lockstep => self.report(problem),
+            TimingMode::Realtime => {
+                tracing::error!("{problem}; control goes on without it");
+                self.health.tell(Fault::RecordFailed);
+                self.untold = true;
+                self.lost = self.recorder.take();
+            }
         }
     }
 
@@ -261,14 +278,14 @@ impl Shell {
         link.received = sum.received as i64;
         link.dropped = sum.dropped as i64;
         link.kernel_dropped = sum.kernel_dropped.map_or(-1, |dropped| dropped as i64);
-        link.undecodable = (sum.undecodable + sum.malformed) as i64;
+        link.undecodable = (sum.undecodable + sum.malformed + sum.foreign) as i64;
     }
 
     /// End: the record is written to the end.
     pub fn finish(mut self) -> anyhow::Result<()> {
         // It writes what has not been written yet.
         drop(self.flight.take());
-        if let Some(recorder) = self.recorder.take() {
+        if let Some(recorder) = self.recorder.take().or(self.lost.take()) {
             recorder.close()?;
         }
         Ok(())

@@ -162,6 +162,7 @@ fn a_full_disk_is_a_named_fault_of_the_node_that_records() {
     assert_eq!((full.fault, full.fault_peer), (Fault::RecordFailed, Role::Sensor));
 }
 
+/// By each signal that a person, a supervisor or a terminal sends, and not by that of a pipe without a reader.
 #[test]
 fn a_node_that_is_asked_to_end_ends_well() {
     let bench = Bench::new(&[]).unwrap();
@@ -169,7 +170,34 @@ fn a_node_that_is_asked_to_end_ends_well() {
     let [mut sensor, mut controller, mut robot] =
         [Role::Sensor, Role::Controller, Role::Robot].map(|role| Node::start(&bench, role, &DAY));
     watch.until(Role::Robot, |status| status.stamp.step >= 250);
-    for node in [&mut robot, &mut controller, &mut sensor] {
+    for node in [&robot, &controller, &sensor] {
+        signal(node.0.id(), Signal::PIPE);
+    }
+    watch.until(Role::Robot, |status| status.stamp.step >= 750);
+    for (node, asked) in [
+        (&mut robot, Signal::TERM),
+        (&mut controller, Signal::INT),
+        (&mut sensor, Signal::HUP),
+    ] {
+        signal(node.0.id(), asked);
+        assert!(node.0.wait().unwrap().success());
+    }
+}
+
+/// A terminal, or a pipe, that is gone: what would be told there is lost, and nothing else.
+#[test]
+fn a_node_whose_stderr_is_gone_works() {
+    let bench = Bench::new(&[]).unwrap();
+    let watch = Watch::start(&bench);
+    let gone = || {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        Stdio::from(writer)
+    };
+    let mut nodes = [Role::Sensor, Role::Controller, Role::Robot]
+        .map(|role| Node::start_with(&bench, role, &DAY, gone()));
+    watch.until(Role::Robot, |status| status.stamp.step >= 250);
+    for node in &mut nodes {
         signal(node.0.id(), Signal::TERM);
         assert!(node.0.wait().unwrap().success());
     }

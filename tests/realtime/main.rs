@@ -6,6 +6,7 @@
 
 mod authenticity;
 mod hand_over;
+mod hostile;
 
 use experiment::log::Log;
 use experiment::metrics::{Metrics, Recording};

@@ -34,6 +34,8 @@ struct Node {
     timeline: Timeline,
     schedule: Schedule,
     waiting: Waiting,
+    /// The status by which the robot was joined.
+    robot: Option<NodeStatus>,
     /// The devices' clocks have been known since the robot was joined.
     begun: bool,
     /// The controller's fault as it was published last.
@@ -73,6 +75,7 @@ pub(super) fn run(flags: &Flags, process: RealTime) -> anyhow::Result<Shell> {
         timeline: Timeline::default(),
         schedule: schedule(scenario),
         waiting: Waiting::default(),
+        robot: None,
         begun: false,
         fault: Fault::None,
         assessments: bounded(4),
@@ -146,6 +149,14 @@ impl Node {
         if !self.works() || !self.process.admits(message) {
             return;
         }
+        if self.schedule.misled_by_state(step, *received_at)
+            && let Some(status) = self.robot
+        {
+            tracing::warn!(
+                "a state in robot-sim's name was of a tick far ahead of tick {step}; it is joined anew"
+            );
+            self.join_robot(&status);
+        }
         let arrived = self.process.utime(*received_at);
         if let Some(us) = self.timeline.robot.take(&message.echo, arrived) {
             let round_trip = Duration::from_micros(us.unsigned_abs());
@@ -162,6 +173,10 @@ impl Node {
         let step = message.stamp.step;
         if !self.works() || !self.process.admits(message) {
             return;
+        }
+        if self.schedule.misled_by_deflections(step, *received_at) {
+            tracing::warn!("deflections in sensor-sim's name were of a tick far ahead of tick {step}");
+            self.schedule.forget_sensor();
         }
         let arrived = self.process.utime(*received_at);
         self.timeline.sensor.take(&message.echo, arrived);
@@ -196,14 +211,7 @@ impl Node {
 
     fn take_status(&mut self, status: &NodeStatus) {
         match self.process.hear(status) {
-            // Another robot, or the same one after a restart: nothing that was known holds.
-            Some(Role::Robot) => {
-                self.controller = Controller::new(&self.process.shell.scenario);
-                self.schedule = schedule(&self.process.shell.scenario);
-                (self.waiting, self.timeline) = (Waiting::default(), Timeline::default());
-                self.begun = false;
-                self.process.shell.heard(status.stamp.step, status);
-            }
+            Some(Role::Robot) => self.join_robot(status),
             Some(Role::Sensor) => {
                 self.timeline.forget_sensor();
                 self.schedule.forget_sensor();
@@ -211,6 +219,16 @@ impl Node {
             }
             _ => {}
         }
+    }
+
+    /// Another robot, or the same one after a restart: nothing that was known holds.
+    fn join_robot(&mut self, status: &NodeStatus) {
+        self.robot = Some(*status);
+        self.controller = Controller::new(&self.process.shell.scenario);
+        self.schedule = schedule(&self.process.shell.scenario);
+        (self.waiting, self.timeline) = (Waiting::default(), Timeline::default());
+        self.begun = false;
+        self.process.shell.heard(status.stamp.step, status);
     }
 
     /// Whether the node has not been refused.

@@ -3,6 +3,7 @@
 //! A cycle begins with the later of the robot's state and the deflections of its tick; without the deflections T/4 after the
 //! state; without a state T/4 after the instant at which it should have come, which is T after the last one.
 
+use node::peers::SILENT;
 use spatial::TICK_US;
 use std::time::{Duration, Instant};
 
@@ -13,15 +14,29 @@ pub(super) struct Schedule {
     /// For so long cycles go on without a state.
     longest: Duration,
     /// Tick of the robot's newest state, and of one that no cycle has used.
-    newest_state: Option<i64>,
+    newest_state: Option<Newest>,
     waiting_state: Option<i64>,
     /// Tick of the newest deflections.
-    newest_deflections: Option<i64>,
+    newest_deflections: Option<Newest>,
     /// Tick of the last cycle.
     last: Option<i64>,
     /// Cycles without a state since the last one.
     without: i64,
     due: Option<Instant>,
+}
+
+/// The newest of a device's messages.
+#[derive(Clone, Copy, Debug)]
+struct Newest {
+    step: i64,
+    came: Instant,
+}
+
+impl Newest {
+    /// Whether it can't have been true, if a message of tick `step` has come `at` an instant: nobody's ticks go back for long.
+    fn has_lied(&self, step: i64, at: Instant) -> bool {
+        step < self.step && at.saturating_duration_since(self.came) > SILENT
+    }
 }
 
 /// A cycle that begins.
@@ -57,16 +72,16 @@ impl Schedule {
 
     /// The robot's state of tick `step` has come `at` an instant: how many were lost before it; `None`: it is not new.
     pub(super) fn take_state(&mut self, step: i64, at: Instant) -> Option<i64> {
-        let before = self.newest_state;
+        let before = self.newest_state.map(|newest| newest.step);
         if before.is_some_and(|newest| step <= newest) {
             return None;
         }
-        (self.newest_state, self.waiting_state) = (Some(step), Some(step));
+        (self.newest_state, self.waiting_state) = (Some(Newest { step, came: at }), Some(step));
         self.without = 0;
         self.due = Some(match self.last {
             // Its cycle has been run without it. The next one is due when the robot is there: its time may have slipped.
             Some(last) if step <= last => at + self.ticks(last + self.period_ticks - step) + self.patience(),
-            _ if self.newest_deflections.is_some_and(|newest| newest >= step) => at,
+            _ if self.newest_deflections.is_some_and(|newest| newest.step >= step) => at,
             _ => at + self.patience(),
         });
         Some(before.map_or(0, |newest| ((step - newest) / self.period_ticks - 1).max(0)))
@@ -74,16 +89,27 @@ impl Schedule {
 
     /// The deflections of tick `step` have come `at` an instant: how many were lost before them; `None`: they are not new.
     pub(super) fn take_deflections(&mut self, step: i64, at: Instant) -> Option<i64> {
-        let before = self.newest_deflections;
+        let before = self.newest_deflections.map(|newest| newest.step);
         if before.is_some_and(|newest| step <= newest) {
             return None;
         }
-        self.newest_deflections = Some(step);
+        self.newest_deflections = Some(Newest { step, came: at });
         let waits = |state: i64| step >= state && self.last.is_none_or(|last| state > last);
         if self.waiting_state.is_some_and(waits) {
             self.due = Some(at);
         }
         Some(before.map_or(0, |newest| step - newest - 1))
+    }
+
+    /// Whether the robot's newest state has been a lie, as one of tick `step` shows that has come `at` an instant.
+    pub(super) fn misled_by_state(&self, step: i64, at: Instant) -> bool {
+        self.newest_state.is_some_and(|newest| newest.has_lied(step, at))
+    }
+
+    /// The same of the newest deflections.
+    pub(super) fn misled_by_deflections(&self, step: i64, at: Instant) -> bool {
+        self.newest_deflections
+            .is_some_and(|newest| newest.has_lied(step, at))
     }
 
     /// Another sensor: its ticks are counted anew.
@@ -226,6 +252,23 @@ mod tests {
         let back = start + 500 * MS;
         assert_eq!(schedule.take_state(8, back), Some(0));
         assert_eq!(schedule.due(), Some(back + 25 * MS));
+    }
+
+    /// Somebody has said in a device's name that it is far ahead: half a second later it is believed again.
+    #[test]
+    fn a_tick_of_the_future_is_not_believed_for_ever() {
+        let (mut schedule, start) = schedule();
+        assert_eq!(schedule.take_state(8_000_000, start), Some(0));
+        assert_eq!(schedule.take_deflections(8_000_000, start), Some(0));
+        for (ms, misled) in [(4, false), (500, false), (501, true)] {
+            let at = start + ms * MS;
+            assert_eq!(schedule.misled_by_state(8, at), misled);
+            assert_eq!(schedule.misled_by_deflections(8, at), misled);
+        }
+        assert!(
+            !schedule.misled_by_state(8_000_000, start + 1000 * MS),
+            "it stands still"
+        );
     }
 
     #[test]

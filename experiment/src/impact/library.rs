@@ -144,7 +144,7 @@ impl Library {
     }
 
     /// The library in `text`, all entries checked; `file` names it in errors.
-    fn parse(file: &str, text: &str) -> Result<Self, LibraryError> {
+    pub fn parse(file: &str, text: &str) -> Result<Self, LibraryError> {
         let library: Self = toml::from_str(text).map_err(|error| LibraryError::Malformed {
             place: place(file, text, error.span().map_or(0, |span| span.start)),
             message: error.message().to_owned(),

@@ -4,7 +4,7 @@ use super::{LaunchError, NodeCommand};
 use node::clock;
 use node::greeting::role_name;
 use spatial::ports::{NodeStatus, Role};
-use std::io::{BufRead, BufReader};
+use std::io::{self, BufRead, BufReader, Write};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -55,7 +55,8 @@ impl Node {
             let words = last_words.clone();
             std::thread::spawn(move || {
                 for line in BufReader::new(stderr).lines().map_while(Result::ok) {
-                    eprintln!("{}: {line}", role_name(role));
+                    // A terminal that is gone does not end the listening: the node would write to nobody.
+                    let _ = writeln!(io::stderr(), "{}: {line}", role_name(role));
                     *words.lock().unwrap_or_else(PoisonError::into_inner) = line;
                 }
             })

@@ -108,7 +108,8 @@ impl Tuned {
         Self::parse(&path.display().to_string(), &text)
     }
 
-    fn parse(name: &str, text: &str) -> Result<Self, TuningError> {
+    /// Those in `text`; `name` stands for the file in errors.
+    pub fn parse(name: &str, text: &str) -> Result<Self, TuningError> {
         toml::from_str(text).map_err(|error| TuningError::Format {
             name: name.to_owned(),
             message: error.to_string().trim_end().to_owned(),

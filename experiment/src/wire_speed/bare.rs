@@ -6,9 +6,9 @@
 
 use super::wire::Wire;
 use super::{WireSpeedError, command, program};
-use crate::datagram;
 use crate::launch::NodeCommand;
 use crate::run_port::RunPort;
+use lcmtypes::datagram;
 use node::clock;
 use node::greeting::role_name;
 use spatial::ports::Role;

@@ -1,8 +1,8 @@
 //! A raw UDP multicast socket, to hear a port with, and one to send to it.
 
 use super::WireSpeedError;
-use crate::datagram::{self, Parts};
 use crate::run_port::{GROUP, receiver};
+use lcmtypes::datagram::{self, Parts};
 use socket2::SockRef;
 use std::io::{self, ErrorKind};
 use std::net::{Ipv4Addr, UdpSocket};

@@ -25,8 +25,8 @@ pub struct Event {
 
 /// Reads a log: all whole events, then, if the file is damaged, one error.
 #[derive(Debug)]
-pub struct EventLogReader {
-    file: BufReader<File>,
+pub struct EventLogReader<R = BufReader<File>> {
+    file: R,
     path: PathBuf,
     /// Bytes of the file that have not been read.
     left: u64,
@@ -55,14 +55,21 @@ impl EventLogReader {
             }
         };
         match open() {
-            Ok((file, left)) => Ok(Self {
-                file: BufReader::new(file),
-                path,
-                left,
-                end: 0,
-                events: 0,
-            }),
+            Ok((file, left)) => Ok(Self::of(BufReader::new(file), left, path)),
             Err(source) => Err(LogError::Open { path, source }),
+        }
+    }
+}
+
+impl<R: Read> EventLogReader<R> {
+    /// Reads the `length` bytes of `file`, which errors call `path`.
+    pub fn of(file: R, length: u64, path: impl AsRef<Path>) -> Self {
+        Self {
+            file,
+            path: path.as_ref().to_owned(),
+            left: length,
+            end: 0,
+            events: 0,
         }
     }
 
@@ -105,7 +112,7 @@ impl EventLogReader {
     }
 }
 
-impl Iterator for EventLogReader {
+impl<R: Read> Iterator for EventLogReader<R> {
     type Item = Result<Event, LogError>;
 
     fn next(&mut self) -> Option<Self::Item> {

@@ -2,11 +2,12 @@
 
 use anyhow::Context;
 use crossbeam::channel::{Receiver, bounded};
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
 use signal_hook::iterator::Signals;
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::os::unix::net::UnixStream;
 use std::process::ExitCode;
+use std::sync::Arc;
 use tracing::Level;
 use tracing_subscriber::filter::Targets;
 use tracing_subscriber::prelude::*;
@@ -30,7 +31,8 @@ pub fn run(body: impl FnOnce() -> anyhow::Result<()>) -> ExitCode {
     match body() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {}", told(&error));
+            // Who has closed stderr does not want to know.
+            let _ = writeln!(std::io::stderr(), "error: {}", told(&error));
             ExitCode::FAILURE
         }
     }
@@ -55,6 +57,8 @@ pub fn log_to_stderr() {
     let chosen = asked.unwrap_or_else(|| Targets::new().with_default(Level::INFO));
     let lines = tracing_subscriber::fmt::layer()
         .with_writer(std::io::stderr)
+        // It would tell them on stderr, too, and a terminal that is gone must not end the process.
+        .log_internal_errors(false)
         .with_ansi(std::io::stderr().is_terminal())
         .with_target(false)
         .without_time()
@@ -66,6 +70,7 @@ pub fn log_to_stderr() {
 /// A stream that has something to read once a signal has asked the process to end.
 pub(super) fn stop_stream() -> anyhow::Result<UnixStream> {
     let failed = "can't handle signals";
+    outlast_limits()?;
     let (stop, sender) = UnixStream::pair().context(failed)?;
     for signal in [SIGTERM, SIGINT, SIGHUP] {
         let sender = sender.try_clone().context(failed)?;
@@ -74,8 +79,15 @@ pub(super) fn stop_stream() -> anyhow::Result<UnixStream> {
     Ok(stop)
 }
 
+/// A file that may not grow any more (`ulimit -f`) fails its writer and does not end the process.
+fn outlast_limits() -> anyhow::Result<()> {
+    let handled = signal_hook::flag::register(SIGXFSZ, Arc::default());
+    handled.map(drop).context("can't handle signals")
+}
+
 /// A receiver that gets one message for each signal that asks the process to end.
 pub fn signals() -> anyhow::Result<Receiver<()>> {
+    outlast_limits()?;
     let mut signals = Signals::new([SIGTERM, SIGINT, SIGHUP]).context("can't handle signals")?;
     let (sender, receiver) = bounded(4);
     std::thread::spawn(move || {

@@ -76,7 +76,7 @@ pub struct LinkQuality {
     pub dropped: i64,
     /// Dropped by the kernel, the socket's buffer being full; -1: it does not tell.
     pub kernel_dropped: i64,
-    /// Wrong fingerprint, length or values.
+    /// Wrong fingerprint, length or values; no short message of LCM; on a channel that is none of these.
     pub undecodable: i64,
     /// Failed authentication.
     pub refused: i64,

@@ -1,22 +1,22 @@
-//! LCM's datagrams as anybody who listens sees them: of short messages, which are all that the programs send.
+//! LCM's datagrams: of short messages, which are all that the programs send, and all that they take.
 
 /// First four bytes of a short message.
 const SHORT: &[u8] = b"LC02";
 /// Longest name of a channel, bytes.
-const LONGEST_NAME: usize = 63;
+pub(crate) const LONGEST_NAME: usize = 63;
 
 /// Channel and encoding of a message.
-pub(crate) type Parts<'a> = (&'a [u8], &'a [u8]);
+pub type Parts<'a> = (&'a [u8], &'a [u8]);
 
-/// The parts of a short message: magic "LC02", a sequence number, the channel, a zero byte, the encoding.
-pub(crate) fn split(datagram: &[u8]) -> Option<Parts<'_>> {
+/// The parts of a short message: magic "LC02", a sequence number, the channel, a zero byte, the encoding; `None`: it is none.
+pub fn split(datagram: &[u8]) -> Option<Parts<'_>> {
     let rest = datagram.strip_prefix(SHORT)?.get(4..)?;
     let end = rest.iter().take(LONGEST_NAME + 1).position(|&byte| byte == 0)?;
-    Some((&rest[..end], &rest[end + 1..]))
+    (end > 0).then_some((&rest[..end], &rest[end + 1..]))
 }
 
 /// Put the short message into `datagram`.
-pub(crate) fn join(datagram: &mut Vec<u8>, sequence: u32, channel: &str, encoding: &[u8]) {
+pub fn join(datagram: &mut Vec<u8>, sequence: u32, channel: &str, encoding: &[u8]) {
     datagram.clear();
     datagram.extend_from_slice(SHORT);
     datagram.extend_from_slice(&sequence.to_be_bytes());
@@ -26,7 +26,7 @@ pub(crate) fn join(datagram: &mut Vec<u8>, sequence: u32, channel: &str, encodin
 }
 
 /// The tick of an encoding: what follows the fingerprint in every message.
-pub(crate) fn step(encoding: &[u8]) -> Option<i64> {
+pub fn step(encoding: &[u8]) -> Option<i64> {
     let bytes = encoding.get(8..16)?.try_into().ok()?;
     Some(i64::from_be_bytes(bytes))
 }
@@ -34,7 +34,7 @@ pub(crate) fn step(encoding: &[u8]) -> Option<i64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use lcmtypes::Message;
+    use crate::Message;
     use spatial::ports::Task;
 
     #[test]
@@ -58,6 +58,7 @@ mod tests {
             b"LC02\0\0\0",
             b"LC03\0\0\0\0X\0",
             b"LC02\0\0\0\0X",
+            b"LC02\0\0\0\0\0nameless",
             &endless,
         ] {
             assert_eq!(split(other), None);
