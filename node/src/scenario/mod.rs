@@ -136,7 +136,7 @@ schema::section! {
         /// Origin of the base in r; it stands parallel to r.
         base_position_m: [f64; 3] = [-1.0, 0.0, -0.72], in -10.0..=10.0;
         /// Inertia of each motor, seen from its joint.
-        motor_inertia_kg_m2: [f64; 6] = [100.0, 100.0, 50.0, 2.4, 2.4, 1.0], in 1e-3..=1e4;
+        motor_inertia_kg_m2: [f64; 6] = [100.0, 100.0, 50.0, 2.4, 2.4, 1.0], in 0.1..=1e4;
         /// Natural frequency of each joint on its elastic gear, motor and all other joints locked, in the working
         /// posture.
         gear_frequency_hz: [f64; 6] = [14.0, 15.0, 17.0, 20.0, 22.0, 25.0], in 0.5..=500.0;
@@ -157,11 +157,11 @@ schema::section! {
         /// Centres of mass in the links' frames along z.
         link_centre_z_m: [f64; 6] = [-0.1, 0.0, 0.03, 0.0, 0.0, 0.0], in -5.0..=5.0;
         /// Inertia of each link about the x axis through its centre of mass; the frame's axes are its principal ones.
-        link_inertia_x_kg_m2: [f64; 6] = [2.5, 0.3, 0.8, 0.12, 0.1, 0.5], in 1e-7..=1e4;
+        link_inertia_x_kg_m2: [f64; 6] = [2.5, 0.3, 0.8, 0.12, 0.1, 0.5], in 0.02..=300.0;
         /// Inertia of each link about the y axis through its centre of mass.
-        link_inertia_y_kg_m2: [f64; 6] = [2.5, 1.4, 4.5, 0.9, 0.45, 0.65], in 1e-7..=1e4;
+        link_inertia_y_kg_m2: [f64; 6] = [2.5, 1.4, 4.5, 0.9, 0.45, 0.65], in 0.02..=300.0;
         /// Inertia of each link about the z axis through its centre of mass.
-        link_inertia_z_kg_m2: [f64; 6] = [2.0, 1.4, 4.5, 0.9, 0.45, 0.65], in 1e-7..=1e4;
+        link_inertia_z_kg_m2: [f64; 6] = [2.0, 1.4, 4.5, 0.9, 0.45, 0.65], in 0.02..=300.0;
     }
 }
 
@@ -169,9 +169,9 @@ schema::section! {
     /// The compliant sensor as it is.
     Sensor at "sensor" {
         /// Translational stiffness, equal along all axes.
-        stiffness_n_per_m: f64 = 300e3, in 1e2..=1e9;
+        stiffness_n_per_m: f64 = 300e3, in 1e2..=3e7;
         /// Rotational stiffness, equal about all axes.
-        stiffness_nm_per_rad: f64 = 401.07, in 0.1..=1e7;
+        stiffness_nm_per_rad: f64 = 401.07, in 0.1..=1e5;
         /// Translational damping.
         damping_ns_per_m: f64 = 65.7, in 0.0..=1e6;
         /// Rotational damping.

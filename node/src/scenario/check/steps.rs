@@ -1,7 +1,7 @@
 //! Integration steps that divide their whole and resolve the fastest motion of gears and tool.
 
 use super::{Conflicts, short};
-use crate::scenario::{Gears, Scenario};
+use crate::scenario::{Gears, Kinematics, Scenario};
 use spatial::TICK_S;
 use std::f64::consts::TAU;
 
@@ -12,6 +12,18 @@ const STEP_ANGLE_RAD: f64 = 1.0;
 /// Largest angle by which a gear's mode may advance in one integration step, rad. Free motors and coupled links are
 /// faster than the mode with the motor locked: a tenth of what the method stands.
 const GEAR_ANGLE_RAD: f64 = 0.28;
+
+/// The same of a motor that swings against the links of a gantry: half of what the method stands.
+const FREE_ANGLE_RAD: f64 = 1.4;
+
+/// What that depends on.
+const FREE_BY: &[&str] = &[
+    "robot.integration_step_s",
+    "robot.gears",
+    "robot.gantry.gear_frequency_hz",
+    "robot.gantry.motor_inertia_kg_m2",
+    "robot.gantry.link_inertia_kg_m2",
+];
 
 /// What the gears' modes depend on.
 const GEARS_BY: &[&str] = &[
@@ -91,6 +103,20 @@ impl Scenario {
             ),
         );
 
+        let free = self.free_gears_hz();
+        let told = robot.integration_step_s * swinging * TAU > GEAR_ANGLE_RAD;
+        conflicts.require(
+            told || robot.integration_step_s * free * TAU <= FREE_ANGLE_RAD,
+            FREE_BY,
+            format!(
+                "robot.integration_step_s is {} s, too long for motors that swing against the gantry's links with up to {} \
+                 Hz; choose at most {} s, heavier motors, or softer gears",
+                short(robot.integration_step_s),
+                short(free),
+                short(FREE_ANGLE_RAD / (free * TAU)),
+            ),
+        );
+
         let fastest = self.fastest_rad_per_s();
         conflicts.require(
             sensor.integration_step_s * fastest <= STEP_ANGLE_RAD,
@@ -103,6 +129,24 @@ impl Scenario {
                 short(STEP_ANGLE_RAD / fastest),
             ),
         );
+    }
+}
+
+impl Scenario {
+    /// How fast a motor of a gantry with elastic gears swings against its link, Hz; 0: there is none. An arm's links depend on
+    /// its posture; its motors have a least inertia.
+    fn free_gears_hz(&self) -> f64 {
+        match (self.robot.gears, self.robot.kinematics) {
+            (Gears::Elastic, Kinematics::Gantry) => {
+                let gantry = &self.robot.gantry;
+                let free = |i: usize| {
+                    let ratio = gantry.link_inertia_kg_m2[i] / gantry.motor_inertia_kg_m2[i];
+                    gantry.gear_frequency_hz[i] * (1.0 + ratio).sqrt()
+                };
+                (0..6).map(free).fold(0.0, f64::max)
+            }
+            _ => 0.0,
+        }
     }
 }
 

@@ -145,6 +145,12 @@ fn the_integration_step_resolves_the_gears() {
         "--set robot.gears=elastic: robot.integration_step_s is 0.001 s, too long for gears that swing with up to \
          500 Hz; choose at most 8.91268e-5 s, or softer gears"
     );
+    let light = "robot.gantry.motor_inertia_kg_m2=[120, 120, 120, 0.01, 4, 4]";
+    assert_eq!(
+        refusal("", &["robot.gears=elastic", light]),
+        "--set robot.gears=elastic: robot.integration_step_s is 0.001 s, too long for motors that swing against the gantry's \
+         links with up to 283.549 Hz; choose at most 0.000785815 s, heavier motors, or softer gears"
+    );
 }
 
 #[test]
