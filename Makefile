@@ -16,7 +16,7 @@ tuned_laws := pd,pd-reset,proposed,impedance,ros2,fzi
 alone := --gains default,tuned --set controller.oscillation.enabled=false
 both := $(alone) --laws $(all_laws)
 
-.PHONY: help demo report laws tune maps elastic free-motion keys test bits bench speed faults hostile doctor build install uninstall check format lint doc clean
+.PHONY: help demo report laws tune maps elastic free-motion keys test bits bench speed faults hostile fuzz audit memory soak doctor build install uninstall check format lint doc clean
 
 help: ## list the targets (default)
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 13
@@ -112,6 +112,9 @@ hostile: ## what an attacker without a key can do in real time, and what comes o
 	@target/debug/hostile >target/hostile.txt 2>target/hostile.log; status=$$?; \
 		mv target/hostile.txt docs/hostile.txt; cat docs/hostile.txt; exit $$status
 
+fuzz: ## libFuzzer on all that reads bytes from outside, 10^7 executions each (an hour): docs/fuzz.txt
+	@./setup.sh fuzz fuzz/run.sh >target/fuzz.txt; status=$$?; mv target/fuzz.txt docs/fuzz.txt; cat docs/fuzz.txt; exit $$status
+
 doctor: ## is this host fit for LCM over UDP multicast?
 	@$(build)
 	@$(touchdown) doctor
@@ -147,6 +150,21 @@ install: ## programs, units of systemd, scenarios, cells, message types, documen
 uninstall: ## what `make install` has put there; not /etc/touchdown, which is yours
 	@rm -f $(addprefix $(in_prefix)/bin/,$(programs)) $(addprefix $(in_prefix)/lib/systemd/system/,$(units))
 	@rm -rf $(shared) $(documents)
+
+audit: ## licences, sources and second versions of what this is made of (cargo-deny, compiled on the first call)
+	@cargo deny --version >/dev/null 2>&1 || ./setup.sh demo cargo install --locked --debug cargo-deny
+	@cargo deny --locked check licenses bans sources
+	@cargo deny --locked check advisories || echo "advisories: not checked, or not clean; see above" >&2
+
+memory: ## the C below lcmtypes and what is unsafe there, under valgrind
+	@CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER="valgrind --quiet --error-exitcode=1 --leak-check=full \
+		--errors-for-leak-kinds=definite --suppressions=$(CURDIR)/lcmtypes/tests/valgrind.supp" \
+		./setup.sh memory cargo test --locked -p lcmtypes --lib --test wire
+
+soak: ## 20 min in real time: memory, open files and latency at begin and end: docs/soak.txt
+	@./setup.sh test cargo build --workspace --bins --locked
+	@target/debug/soak >target/soak.txt 2>target/soak.log; status=$$?; mv target/soak.txt docs/soak.txt; cat docs/soak.txt; \
+		exit $$status
 
 check: format lint doc ## what a change must pass besides the tests
 

@@ -1,10 +1,10 @@
 #!/bin/sh
 # Makes sure that this machine has what a task needs, then runs a command with Rust on its PATH:
 #
-#     ./setup.sh demo|test|check|bits [COMMAND [ARGUMENT...]]
+#     ./setup.sh demo|test|check|bits|fuzz|memory [COMMAND [ARGUMENT...]]
 #
 # demo: what building and running needs; test: also what the tests need; check: also rustfmt and clippy; bits: also
-# an emulator of other CPUs.
+# an emulator of other CPUs; fuzz: also a C++ compiler; memory: also valgrind.
 # Says nothing and changes nothing when nothing is missing. Otherwise says what is missing and why, and installs it
 # on Debian and Ubuntu; elsewhere it names what to install and fails.
 set -eu
@@ -12,8 +12,8 @@ cd "$(dirname "$0")"
 
 task=${1:-}
 case $task in
-    demo | test | check | bits) shift ;;
-    *) echo "usage: ./setup.sh demo|test|check|bits [COMMAND [ARGUMENT...]]" >&2 && exit 2 ;;
+    demo | test | check | bits | fuzz | memory) shift ;;
+    *) echo "usage: ./setup.sh demo|test|check|bits|fuzz|memory [COMMAND [ARGUMENT...]]" >&2 && exit 2 ;;
 esac
 
 say() { echo "setup: $*" >&2; }
@@ -81,7 +81,7 @@ examine() {
     if have apt-get && ! any /etc/ssl/certs/ca-certificates.crt; then
         need "certificates: cargo and pip download over HTTPS" ca-certificates
     fi
-    if [ "$task" != demo ]; then
+    if [ "$task" != demo ] && [ "$task" != fuzz ]; then
         python3 -c 'import ensurepip, venv' 2>/dev/null ||
             need "Python with venv: the tests exchange messages with Python's LCM" python3 python3-venv
         have ip || need "ip: the tests run nodes in network namespaces" iproute2
@@ -97,6 +97,12 @@ examine() {
     fi
     if [ "$task" = bits ]; then
         have qemu-x86_64 || need "qemu: runs a test as other CPUs do" qemu-user
+    fi
+    if [ "$task" = fuzz ]; then
+        have c++ || need "a C++ compiler: libFuzzer" g++
+    fi
+    if [ "$task" = memory ]; then
+        have valgrind || need "valgrind: watches what the C code does with memory" valgrind
     fi
     find_rust
     case $rust in

@@ -1,0 +1,33 @@
+#!/bin/sh
+# Fuzzes with libFuzzer, each target for so many executions, or those that are named:
+#
+#     fuzz/run.sh [EXECUTIONS [TARGET...]]
+#
+# Needs only the stable compiler: the options below are what `cargo fuzz --sanitizer none` gives it, and a C++ compiler. What is
+# found beyond fuzz/corpus is kept in target/fuzz/corpus, what ends the program in target/fuzz. A scenario is slow to read (it has
+# 400 keys): that target gets a hundredth of the executions.
+set -eu
+cd "$(dirname "$0")"
+runs=${1:-10000000}
+[ $# = 0 ] || shift
+[ $# != 0 ] || set -- $(sed -n 's/^    ("\(.*\)", .*),$/\1/p' targets.rs)
+export CARGO_TARGET_DIR=$PWD/../target/fuzz/build
+RUSTFLAGS="--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
+-Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
+-Cllvm-args=-sanitizer-coverage-trace-compares" \
+    cargo build --release --locked --target "$(rustc -vV | sed -n 's/^host: //p')"
+fuzz=$(ls "$CARGO_TARGET_DIR"/*/release/fuzz)
+failed=""
+for target; do
+    mkdir -p ../target/fuzz/corpus/"$target" corpus/"$target"
+    executions=$runs
+    [ "$target" != scenario ] || executions=$((runs / 100))
+    FUZZ_TARGET=$target "$fuzz" -runs="$executions" -artifact_prefix=../target/fuzz/"$target"- -print_final_stats=1 -seed=12 \
+        -timeout=10 -rss_limit_mb=2048 ../target/fuzz/corpus/"$target" corpus/"$target" \
+        >../target/fuzz/"$target".log 2>&1 && said="survived" || said="FAILED: target/fuzz/$target.log" failed=yes
+    executed=$(sed -n 's/^stat::number_of_executed_units: //p' ../target/fuzz/"$target".log)
+    rate=$(sed -n 's/^stat::average_exec_per_sec: *//p' ../target/fuzz/"$target".log)
+    covered=$(sed -n 's/.* cov: \([0-9]*\) .*/\1/p' ../target/fuzz/"$target".log | tail -n 1)
+    printf '%-10s %11s executions, %7s a second, %6s edges: %s\n' "$target" "$executed" "$rate" "$covered" "$said"
+done
+[ -z "$failed" ]
