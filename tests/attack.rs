@@ -1,4 +1,4 @@
-//! What an attacker without a key sends to running nodes: seeded, and made of what the nodes themselves say.
+//! What an attacker who holds no key sends to running nodes: seeded, and made of what the nodes themselves say.
 
 mod message;
 
@@ -9,7 +9,7 @@ use lcmtypes::{CHANNELS, Message};
 use message::{Edit, NOISE, below, noise, pick, short};
 use rand_core::Rng;
 use rand_pcg::Pcg64;
-use spatial::ports::Task;
+use spatial::ports::{Task, TaskAction};
 use std::fmt;
 
 /// A kind of packets.
@@ -51,6 +51,12 @@ pub enum Attack {
     Everything,
     /// Packets of any length as fast as they can be sent.
     Flood,
+    /// Live messages as of the process itself, in which some bits are other ones.
+    PeersBits,
+    /// What nodes have said, new and old, once more, and on other channels.
+    Replays,
+    /// Requests for any action.
+    Orders,
 }
 
 /// A header of LCM's fragments ("LC03"), with its five numbers, and what follows.
@@ -76,7 +82,7 @@ fn fragment(random: &mut Pcg64) -> Vec<u8> {
 }
 
 impl Attack {
-    /// Every one.
+    /// What nodes without a key endure.
     pub const ALL: [Self; 18] = [
         Self::NoNul,
         Self::EightBytes,
@@ -97,6 +103,9 @@ impl Attack {
         Self::Everything,
         Self::Flood,
     ];
+
+    /// What nodes without a key would believe: it is tried on nodes with one alone.
+    pub const FORGERIES: [Self; 3] = [Self::PeersBits, Self::Replays, Self::Orders];
 
     /// The next packet; `None`: nothing has been heard yet that it could be made of.
     pub(crate) fn packet(self, ear: &Ear, random: &mut Pcg64) -> Option<Vec<u8>> {
@@ -205,6 +214,25 @@ impl Attack {
                 // As of a stranger: without a key nobody can tell a wrong bit of a number.
                 edit.integer("boot_id", stranger(random)).packet()
             }
+            Self::PeersBits => {
+                let mut edit = ear.any(random)?;
+                let bit = below(random, 8 * edit.bytes.len());
+                edit.bytes[bit / 8] ^= 1 << (bit % 8);
+                edit.packet()
+            }
+            Self::Replays => {
+                let (channel, bytes) = ear.said(random)?;
+                match below(random, 4) {
+                    0 => short(pick(random, CHANNELS).as_bytes(), bytes),
+                    _ => short(channel.as_bytes(), bytes),
+                }
+            }
+            Self::Orders => {
+                let mut task = Task::default();
+                task.stamp.boot_id = stranger(random);
+                task.action = pick(random, TaskAction::ALL);
+                Edit::of("TASK", task.encode().ok()?.as_bytes())?.packet()
+            }
             Self::Everything => {
                 let others = Self::ALL.len() - 2;
                 Self::ALL[below(random, others)].packet(ear, random)?
@@ -227,6 +255,9 @@ impl Attack {
                 | Self::Requests
                 | Self::Bits
                 | Self::Everything
+                | Self::PeersBits
+                | Self::Replays
+                | Self::Orders
         )
     }
 
@@ -262,6 +293,9 @@ impl fmt::Display for Attack {
             Self::Bits => "wrong bits of a stranger",
             Self::Everything => "all of these",
             Self::Flood => "flood at line rate",
+            Self::PeersBits => "wrong bits of a peer",
+            Self::Replays => "replays, also elsewhere",
+            Self::Orders => "orders without a key",
         })
     }
 }

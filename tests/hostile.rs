@@ -47,7 +47,7 @@ impl Attacker {
                 if pause != Err(RecvTimeoutError::Timeout) {
                     return sent;
                 }
-                ear.listen();
+                ear.listen(&mut random);
                 for _ in 0..attack.per_ms().unwrap_or(100) {
                     if let Some(packet) = attack.packet(&ear, &mut random) {
                         // What does not fit into a buffer is not sent.

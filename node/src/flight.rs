@@ -241,7 +241,9 @@ fn write(ring: &Ring, utime: i64, name: &str, directory: &Path) -> Result<PathBu
 }
 
 fn tell(ring: &Ring, outcome: Result<PathBuf, String>) {
-    let ends = ring.kept.front().zip(ring.kept.back());
+    // By the node's own messages: what is heard may bear any time.
+    let own = || ring.kept.iter().filter(|it| it.direction == Direction::Said);
+    let ends = own().next().zip(own().next_back());
     let seconds = ends.map_or(0.0, |(first, last)| 1e-6 * (last.utime - first.utime) as f64);
     match outcome {
         Ok(path) => tracing::warn!(

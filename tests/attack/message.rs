@@ -11,6 +11,8 @@ use std::collections::BTreeMap;
 
 /// So many bytes at random are there to be sent.
 pub(super) const NOISE: usize = 1 << 16;
+/// So many messages are kept to be said again.
+const SAID: usize = 2000;
 
 /// What is known of a run by listening.
 pub(crate) struct Ear {
@@ -18,6 +20,8 @@ pub(crate) struct Ear {
     _link: lcmtypes::Lcm,
     /// The newest message of each channel (and of each node's status).
     live: BTreeMap<(String, Vec<u8>), Vec<u8>>,
+    /// What has been said, a part of it: channel and encoding.
+    said: Vec<(String, Vec<u8>)>,
     /// Bytes at random, to be sent as fast as can be.
     pub(super) noise: Vec<u8>,
 }
@@ -44,12 +48,13 @@ impl Ear {
             heard,
             _link: builder.start()?,
             live: live.collect(),
+            said: Vec::new(),
             noise: (0..NOISE).map(|_| random.next_u64() as u8).collect(),
         })
     }
 
     /// Take what has come. What cannot be, or carries the mark, is the attacker's own.
-    pub(crate) fn listen(&mut self) {
+    pub(crate) fn listen(&mut self, random: &mut Pcg64) {
         while let Some(it) = self.heard.take() {
             let RawMessage { channel, bytes } = it.message;
             let forged = Edit::of(&channel, &bytes).is_none_or(|edit| edit.marked());
@@ -60,6 +65,11 @@ impl Ear {
                 } else {
                     Vec::new()
                 };
+                if self.said.len() < SAID {
+                    self.said.push((channel.clone(), bytes.clone()));
+                } else if let Some(place) = self.said.get_mut(below(random, 2 * SAID)) {
+                    *place = (channel.clone(), bytes.clone());
+                }
                 self.live.insert((channel, whose), bytes);
             }
         }
@@ -70,6 +80,12 @@ impl Ear {
         let i = below(random, self.live.len());
         let ((channel, _), bytes) = self.live.iter().nth(i)?;
         Edit::of(channel, bytes)
+    }
+
+    /// Something that has been said, of the beginning or later.
+    pub(super) fn said(&self, random: &mut Pcg64) -> Option<(&str, &[u8])> {
+        let (channel, bytes) = self.said.get(below(random, self.said.len()))?;
+        Some((channel, bytes))
     }
 
     pub(super) fn one(&self, channel: &str) -> Option<Edit> {
