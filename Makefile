@@ -107,7 +107,7 @@ faults: ## what goes wrong in real time, when, and what comes of it (10 min): do
 	@target/debug/faults >target/faults.txt 2>target/faults.log; status=$$?; \
 		mv target/faults.txt docs/faults.txt; cat docs/faults.txt; exit $$status
 
-hostile: ## what an attacker without a key can do in real time, and what comes of it (8 min): docs/hostile.txt
+hostile: ## what an attacker who holds no key can do in real time, and what comes of it (10 min): docs/hostile.txt
 	@./setup.sh test cargo build --workspace --bins --locked
 	@target/debug/hostile >target/hostile.txt 2>target/hostile.log; status=$$?; \
 		mv target/hostile.txt docs/hostile.txt; cat docs/hostile.txt; exit $$status
@@ -156,12 +156,18 @@ audit: ## licences, sources and second versions of what this is made of (cargo-d
 	@cargo deny --locked check licenses bans sources
 	@cargo deny --locked check advisories || echo "advisories: not checked, or not clean; see above" >&2
 
-memory: ## the C below lcmtypes and what is unsafe there, under valgrind
+# AddressSanitizer comes first in a process, before what cargo links; valgrind looks for leaks.
+asan = CARGO_TARGET_DIR=target/asan CFLAGS="-fsanitize=address -fno-omit-frame-pointer -g" \
+	RUSTFLAGS="-Clink-arg=-Wl,--no-as-needed -Clink-arg=-lasan" ASAN_OPTIONS=detect_leaks=0 \
+	CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER="env LD_PRELOAD=$$(gcc -print-file-name=libasan.so)"
+
+memory: ## the C below lcmtypes and what is unsafe there, under valgrind, then with AddressSanitizer (x86-64 Linux)
 	@CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER="valgrind --quiet --error-exitcode=1 --leak-check=full \
 		--errors-for-leak-kinds=definite --suppressions=$(CURDIR)/lcmtypes/tests/valgrind.supp" \
 		./setup.sh memory cargo test --locked -p lcmtypes --lib --test wire
+	@$(asan) cargo test --locked --target x86_64-unknown-linux-gnu -p lcmtypes --lib --test wire
 
-soak: ## 20 min in real time: memory, open files and latency at begin and end: docs/soak.txt
+soak: ## 8 h simulated and 20 min in real time: memory, open files and latency at begin and end: docs/soak.txt
 	@./setup.sh test cargo build --workspace --bins --locked
 	@target/debug/soak >target/soak.txt 2>target/soak.log; status=$$?; mv target/soak.txt docs/soak.txt; cat docs/soak.txt; \
 		exit $$status

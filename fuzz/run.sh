@@ -4,8 +4,7 @@
 #     fuzz/run.sh [EXECUTIONS [TARGET...]]
 #
 # Needs only the stable compiler: the options below are what `cargo fuzz --sanitizer none` gives it, and a C++ compiler. What is
-# found beyond fuzz/corpus is kept in target/fuzz/corpus, what ends the program in target/fuzz. A scenario is slow to read (it has
-# 400 keys): that target gets a hundredth of the executions.
+# found beyond fuzz/corpus is kept in target/fuzz/corpus, what ends the program in target/fuzz.
 set -eu
 cd "$(dirname "$0")"
 runs=${1:-10000000}
@@ -17,6 +16,11 @@ RUSTFLAGS="--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-
 -Cllvm-args=-sanitizer-coverage-trace-compares" \
     cargo build --release --locked --target "$(rustc -vV | sed -n 's/^host: //p')"
 fuzz=$(ls "$CARGO_TARGET_DIR"/*/release/fuzz)
+echo "\
+libFuzzer on everything that reads bytes from outside (\`make fuzz\`, fuzz/targets.rs), with overflow checks and debug assertions;
+without AddressSanitizer: the code below is C in \`message\` alone, over which valgrind and AddressSanitizer watch in
+\`make memory\`. edges: of the whole program. A scenario, with its 400 keys, is slow to read: a hundredth of the executions.
+"
 failed=""
 for target; do
     mkdir -p ../target/fuzz/corpus/"$target" corpus/"$target"

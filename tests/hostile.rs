@@ -253,17 +253,23 @@ fn counted(site: &Site) -> Counted {
 fn gone(site: &Site) -> Vec<Role> {
     ROLES
         .into_iter()
-        .filter(|role| resident_kib(site, *role).is_none())
+        .filter(|role| site.cell.process_id(*role).and_then(resident_kib).is_none())
         .collect()
 }
 
 /// Resident memory by role, KiB.
 pub fn memory_kib(site: &Site) -> [u64; 3] {
-    ROLES.map(|role| resident_kib(site, role).unwrap_or_default())
+    ROLES.map(|role| {
+        site.cell
+            .process_id(role)
+            .and_then(resident_kib)
+            .unwrap_or_default()
+    })
 }
 
-fn resident_kib(site: &Site, role: Role) -> Option<u64> {
-    let status = fs::read_to_string(format!("/proc/{}/status", site.cell.process_id(role)?)).ok()?;
+/// Resident memory of a process, KiB.
+pub fn resident_kib(id: u32) -> Option<u64> {
+    let status = fs::read_to_string(format!("/proc/{id}/status")).ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
     line.trim().trim_end_matches(" kB").parse().ok()
 }

@@ -4,6 +4,8 @@
 use std::io;
 use std::net::UdpSocket;
 use std::time::Duration;
+#[cfg(target_os = "linux")]
+use std::time::SystemTime;
 
 /// Packets that `socket` has lost because its buffer was full; `None`: this kernel does not tell.
 #[cfg(target_os = "linux")]
@@ -86,11 +88,14 @@ pub(crate) fn take(socket: &UdpSocket, buffer: &mut [u8]) -> io::Result<(usize, 
 
 /// How long ago the time of day was `then`; `None`: it is still to come.
 #[cfg(target_os = "linux")]
+#[expect(
+    clippy::disallowed_methods,
+    reason = "the kernel stamps by the time of day, and only what has passed since matters"
+)]
 fn age(then: libc::timespec) -> Option<Duration> {
-    let now = rustix::time::clock_gettime(rustix::time::ClockId::Realtime);
-    let ns = |seconds: i64, nanoseconds: i64| seconds.checked_mul(1_000_000_000)?.checked_add(nanoseconds);
-    let passed = ns(now.tv_sec, now.tv_nsec)?.checked_sub(ns(then.tv_sec, then.tv_nsec)?)?;
-    u64::try_from(passed).ok().map(Duration::from_nanos)
+    let since_1970 = Duration::new(then.tv_sec.try_into().ok()?, then.tv_nsec.try_into().ok()?);
+    let then = SystemTime::UNIX_EPOCH.checked_add(since_1970)?;
+    SystemTime::now().duration_since(then).ok()
 }
 
 /// Other systems don't.

@@ -263,4 +263,30 @@ mod tests {
         // The other subscriptions get theirs.
         assert!(tasks.receiver().recv_timeout(Duration::from_secs(1)).is_ok());
     }
+
+    /// A queue that is too short for its reader gives him the messages in order, the newest at last, and loses none uncounted.
+    #[test]
+    fn while_it_is_read_a_full_queue_keeps_the_newest_and_counts_the_others() {
+        const LAST: i64 = 200_000;
+        let mut router = Router::new(Suffix::default());
+        let tasks = router.subscribe::<Task>(2);
+        let writer = std::thread::spawn(move || {
+            let mut task = Task::default();
+            for step in 1..=LAST {
+                task.stamp.step = step;
+                router.dispatch(b"TASK", task.encode().unwrap().as_bytes(), now());
+            }
+        });
+        let (mut newest, mut taken) = (0, 0);
+        // It disconnects when the router is gone.
+        for it in tasks.receiver() {
+            let step = it.message.stamp.step;
+            assert!(step > newest, "{step} after {newest}");
+            (newest, taken) = (step, taken + 1);
+        }
+        writer.join().unwrap();
+        let counters = tasks.tally.counters();
+        assert_eq!((newest, counters.received), (LAST, LAST as u64));
+        assert_eq!(taken + counters.dropped, LAST as u64);
+    }
 }

@@ -1,15 +1,21 @@
-//! A cell that presses for a long time, as a table: `make soak`. An argument says for how many minutes (20).
+//! A cell that presses for a long time, as a table: `make soak`, hours simulated in one process and then minutes in real time. An
+//! argument says for how many minutes (20).
 
+use experiment::in_process;
+use experiment::scenarios::Source;
 use lcmtypes::{LcmBuilder, Received, Subscription};
+use libm::rint;
 use node::clock;
-use spatial::ports::{Command, Fault, RobotState};
+use spatial::ports::{Command, ControllerPhase, Fault, RobotState};
 use std::error::Error;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
-use tests::hostile::{files, memory_kib, pressing};
+use tests::hostile::{files, memory_kib, pressing, resident_kib};
 use tests::site::{Setting, Site};
 
-const HEAD: &str = "\
+/// Scenarios, and for how many hours each.
+const SIMULATED_H: [(&str, u32); 2] = [("paper", 6), ("elastic_arm", 2)];
+const HEAD: &str = "
 Three programs in real time that press with 10 N, minute by minute. memory: resident, KiB; files: open ones; answer: from the instant at
 which the robot is sampled to that at which the command leaves that answers it (one host, one clock); lost: states without one.
 
@@ -23,17 +29,61 @@ fn main() -> ExitCode {
         .nth(1)
         .and_then(|text| text.parse().ok())
         .unwrap_or(20);
-    match soak(minutes) {
-        Ok(None) => ExitCode::SUCCESS,
-        Ok(Some(what)) => {
+    let outcome = SIMULATED_H
+        .into_iter()
+        .map(|(name, hours)| simulated(name, hours))
+        .chain(std::iter::once_with(|| soak(minutes)))
+        .find_map(|it| it.transpose());
+    match outcome {
+        None => ExitCode::SUCCESS,
+        Some(Ok(what)) => {
             println!("\nNO: {what}");
             ExitCode::FAILURE
         }
-        Err(error) => {
+        Some(Err(error)) => {
             println!("{error}");
             ExitCode::FAILURE
         }
     }
+}
+
+/// What has grown, or has not been kept to, within so many hours of a scenario in one process.
+fn simulated(name: &str, hours: u32) -> Result<Option<String>, Box<dyn Error>> {
+    let duration = format!("timing.duration_s={}", 3600 * hours);
+    let scenario = Source::find(name)?.scenario(&[duration])?;
+    let (own, hour) = (std::process::id(), rint(3600.0 / spatial::TICK_S) as i64);
+    let (mut memory_kib, mut took_s, mut began) = (Vec::new(), Vec::new(), clock::now());
+    let mut worst_n: f64 = 0.0;
+    in_process::run(&scenario, |tick| {
+        let (now, status) = (tick.link_motion.stamp.step, tick.controller.map(|it| it.status));
+        if let Some(status) = status.filter(|_| now > hour) {
+            worst_n = match status.phase {
+                ControllerPhase::Settled => worst_n.max(status.force_error_n.abs()),
+                _ => f64::INFINITY,
+            };
+        }
+        if now > 0 && now % hour == 0 {
+            memory_kib.push(resident_kib(own).unwrap_or_default());
+            took_s.push((clock::now() - began).as_secs_f64());
+            began = clock::now();
+        }
+    });
+    let (Some((&first, &last)), Some((&quick, &late))) = (
+        memory_kib.first().zip(memory_kib.last()),
+        took_s.first().zip(took_s.last()),
+    ) else {
+        return Ok(None);
+    };
+    println!(
+        "{name}, {hours} h simulated in one process: memory after the first hour {first} KiB, at the end {last} KiB; the first \
+         hour took {quick:.1} s, the last {late:.1} s; largest error of the force after the first {worst_n:.2} N"
+    );
+    Ok(match () {
+        () if last > first + GROWTH_KIB => Some("memory has grown".to_owned()),
+        () if late > GROWTH * quick => Some("it has become slower".to_owned()),
+        () if worst_n > 1.0 => Some("the force has not been kept".to_owned()),
+        () => None,
+    })
 }
 
 /// A minute.
@@ -47,7 +97,7 @@ struct Minute {
 impl Minute {
     fn answer_us(&self, share: f64) -> u64 {
         let last = self.answers_us.len().saturating_sub(1);
-        let at = libm::rint(share * last as f64) as usize;
+        let at = rint(share * last as f64) as usize;
         self.answers_us.get(at).copied().unwrap_or_default()
     }
 }

@@ -1,13 +1,15 @@
 //! Nodes started by hand, without a launcher: their faults are named in NODE_STATUS.
 
-use lcmtypes::{Lcm, LcmBuilder, Subscription};
+use super::watch::terminal;
+use lcmtypes::{EventLogReader, Lcm, LcmBuilder, Subscription};
 use node::clock;
 use rustix::process::Signal;
 use spatial::ports::{Fault, NodeStatus, Role};
 use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
-use tests::{Bench, programs, signal};
+use tests::{Bench, programs, signal, wait_for_end};
 
 const LIMIT: Duration = Duration::from_secs(10);
 const DAY: [&str; 2] = ["--set", "timing.duration_s=86400"];
@@ -21,18 +23,31 @@ impl Node {
     }
 
     fn start_with(bench: &Bench, role: Role, arguments: &[&str], stderr: Stdio) -> Self {
+        let program = Command::new(program(role));
+        Self(
+            Self::of(program, bench, role, arguments)
+                .stderr(stderr)
+                .spawn()
+                .unwrap(),
+        )
+    }
+
+    /// `program`, or what starts it, with the arguments of a node.
+    fn of(mut command: Command, bench: &Bench, role: Role, arguments: &[&str]) -> Command {
         let wiring = &bench.plan.wiring;
-        let mut command = Command::new(programs().join(node::greeting::role_name(role)));
         command
             .arg("--scenario")
             .arg(&bench.plan.scenario)
             .args(["--url", &wiring.device[role as usize]])
             .args(["--sim-url", &wiring.world[role as usize]])
             .args(["--with-parent", &std::process::id().to_string()])
-            .args(arguments)
-            .stderr(stderr);
-        Self(command.spawn().unwrap())
+            .args(arguments);
+        command
     }
+}
+
+fn program(role: Role) -> PathBuf {
+    programs().join(node::greeting::role_name(role))
 }
 
 impl Drop for Node {
@@ -201,4 +216,35 @@ fn a_node_whose_stderr_is_gone_works() {
         signal(node.0.id(), Signal::TERM);
         assert!(node.0.wait().unwrap().success());
     }
+}
+
+/// A robot in a terminal of its own, which is closed: it ends as if it had been asked to, and its record is whole.
+#[test]
+fn a_node_whose_terminal_is_closed_ends_well() {
+    let bench = Bench::new(&[]).unwrap();
+    let watch = Watch::start(&bench);
+    let _others = [Role::Sensor, Role::Controller].map(|role| Node::start(&bench, role, &DAY));
+    let (seen, given) = terminal();
+    let directory = tempfile::tempdir().unwrap();
+    let record = directory.path().join("robot.lcmlog");
+    // The leader of a session is whom the kernel tells that its terminal is gone.
+    let mut in_terminal = Command::new("setsid");
+    in_terminal.arg("--ctty").arg(program(Role::Robot));
+    let arguments = [&DAY[..], &["--record", record.to_str().unwrap()]].concat();
+    let mut in_terminal = Node::of(in_terminal, &bench, Role::Robot, &arguments);
+    in_terminal
+        .stdin(given.try_clone().unwrap())
+        .stdout(given.try_clone().unwrap())
+        .stderr(given);
+    let mut robot = Node(in_terminal.spawn().unwrap());
+    drop(in_terminal);
+    watch.until(Role::Robot, |status| status.stamp.step >= 250);
+    drop(seen);
+    assert!(wait_for_end(robot.0.id() as i32, LIMIT), "its terminal is gone");
+    assert!(robot.0.wait().unwrap().success());
+    let events: Vec<_> = EventLogReader::open(&record)
+        .unwrap()
+        .map(Result::unwrap)
+        .collect();
+    assert!(events.len() > 250, "{}", events.len());
 }

@@ -37,8 +37,9 @@ fn without_a_terminal_it_tells_a_run_in_lines_and_ends_when_asked() {
 }
 
 /// A terminal of 100 x 30 characters: the side that a person sees, and the one that a program is given.
-fn terminal() -> (File, File) {
-    let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY;
+pub(super) fn terminal() -> (File, File) {
+    // A program that is given the one side must not hold the other open.
+    let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC;
     let seen = openpt(flags).unwrap();
     grantpt(&seen).unwrap();
     unlockpt(&seen).unwrap();
