@@ -86,12 +86,14 @@ impl CommandDynamics {
     /// The next set-points (rad) of a robot that is to do what `targets` says at the coming instants, with the
     /// reference model's `bandwidth` w_r (rad/s).
     pub fn follow(&self, targets: &[Target; HORIZON], bandwidth: f64) -> [Axes; HORIZON] {
-        let mut ahead = *self;
-        targets.each_ref().map(|target| {
-            let setpoint = ahead.towards(target, bandwidth);
-            ahead.advance(&setpoint);
-            setpoint
-        })
+        let (mut ahead, mut setpoints) = (*self, [self.setpoint; HORIZON]);
+        for (i, target) in targets.iter().enumerate() {
+            if i > 0 {
+                ahead.advance(&setpoints[i - 1]);
+            }
+            setpoints[i] = ahead.towards(target, bandwidth);
+        }
+        setpoints
     }
 
     /// The next set-point (rad) towards `target`, at the end of the coming period T.
@@ -102,9 +104,10 @@ impl CommandDynamics {
     pub fn towards(&self, target: &Target, bandwidth: f64) -> Axes {
         let period = self.period();
         let (stiffness, damping) = (bandwidth * bandwidth, 2.0 * bandwidth);
+        let accelerations = self.accelerations(&self.setpoint);
         Axes::from_fn(|axis, _| {
             let (x, v) = (self.position[axis], self.velocity[axis]);
-            let a0 = self.acceleration(axis, self.setpoint[axis]);
+            let a0 = accelerations[axis];
             let wanted = target.acceleration[axis]
                 + stiffness * (target.position[axis] - x - period * v - period * period * a0 / 3.0)
                 + damping * (target.velocity[axis] - v - 0.5 * period * a0);
@@ -123,11 +126,9 @@ impl CommandDynamics {
         let change = setpoint - self.setpoint;
         for tick in 0..self.period_ticks {
             let share = tick as f64 / self.period_ticks as f64;
-            for axis in 0..6 {
-                let a = self.acceleration(axis, self.setpoint[axis] + change[axis] * share);
-                self.position[axis] += self.velocity[axis] * TICK_S + 0.5 * a * TICK_S * TICK_S;
-                self.velocity[axis] += a * TICK_S;
-            }
+            let a = self.accelerations(&(self.setpoint + change * share));
+            self.position += self.velocity * TICK_S + a * 0.5 * TICK_S * TICK_S;
+            self.velocity += a * TICK_S;
         }
         self.setpoint = *setpoint;
         (self.velocity - before) / self.period()
@@ -138,7 +139,7 @@ impl CommandDynamics {
         Target {
             position: self.position,
             velocity: self.velocity,
-            acceleration: Axes::from_fn(|axis, _| self.acceleration(axis, self.setpoint[axis])),
+            acceleration: self.accelerations(&self.setpoint),
         }
     }
 
@@ -146,10 +147,13 @@ impl CommandDynamics {
         self.period_ticks as f64 * TICK_S
     }
 
-    fn acceleration(&self, axis: usize, setpoint: f64) -> f64 {
-        let (w, limit) = (self.frequency, self.acceleration_limit[axis]);
-        (w * w * (setpoint - self.position[axis]) - 2.0 * self.damping * w * self.velocity[axis])
-            .clamp(-limit, limit)
+    /// Where the set-points are these (rad), rad/s^2.
+    fn accelerations(&self, setpoints: &Axes) -> Axes {
+        let w = self.frequency;
+        let wanted = (setpoints - self.position) * (w * w) - self.velocity * (2.0 * self.damping * w);
+        wanted.zip_map(&self.acceleration_limit, |wanted, limit| {
+            wanted.clamp(-limit, limit)
+        })
     }
 }
 

@@ -2,12 +2,16 @@
 
 use super::{Key, Scenario, error::Refusal, schema::split};
 use std::fmt::{Display, Formatter, Result};
+use std::sync::LazyLock;
 
 /// The sections of a scenario, in the order of declaration.
-pub(super) fn sections() -> Vec<&'static str> {
-    let mut sections: Vec<_> = Scenario::keys().iter().map(Key::section).collect();
-    sections.dedup();
-    sections
+pub(super) fn sections() -> &'static [&'static str] {
+    static SECTIONS: LazyLock<Vec<&str>> = LazyLock::new(|| {
+        let mut sections: Vec<_> = Scenario::keys().iter().map(Key::section).collect();
+        sections.dedup();
+        sections
+    });
+    &SECTIONS
 }
 
 /// The refusal of a key, or table, `path` that no section declares.

@@ -211,7 +211,12 @@ impl Scenario {
 
     /// What the key `path` accepts, if it is a number or an array of numbers.
     pub fn limits(path: &str) -> Option<RangeInclusive<f64>> {
-        match Self::keys().into_iter().find(|key| key.path == path)?.allowed {
+        match Self::default()
+            .fields()
+            .find(|field| field.path == path)?
+            .slot
+            .allowed()
+        {
             Allowed::Number(limits) | Allowed::Array(limits, _) => Some(limits),
             _ => None,
         }
