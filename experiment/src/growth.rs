@@ -107,9 +107,10 @@ mod tests {
                     core_us_per_cycle: 40.0,
                 })
                 .into(),
-            cells: [1, 16]
-                .map(|cells| CellRow {
+            cells: [(1, false), (16, false), (1, true), (16, true)]
+                .map(|(cells, one_network)| CellRow {
                     cells,
+                    one_network,
                     ticks_per_s: 2e4,
                     core_us_per_tick: 100.0,
                 })
@@ -129,7 +130,7 @@ mod tests {
         growth.draw(directory.path()).unwrap();
         for (name, text) in [
             ("rate", "cycles/s"),
-            ("cells", "cells in lockstep"),
+            ("cells", "with suffixes"),
             ("log-time", "replay"),
             ("log-memory", "MiB"),
         ] {

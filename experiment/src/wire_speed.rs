@@ -99,14 +99,14 @@ pub enum WireSpeedError {
 }
 
 impl Programs {
-    /// What starts the program of `role` on `port`; `receive` is added to its LCM URLs.
+    /// What starts the program of `role` on `port`; `options` are added to its LCM URLs.
     pub(crate) fn command(
         &self,
         role: Role,
         port: &RunPort,
-        receive: &str,
+        options: &str,
     ) -> Result<NodeCommand, WireSpeedError> {
-        let (device, world) = (port.device_url() + receive, port.simulation_url() + receive);
+        let (device, world) = (port.device_url() + options, port.simulation_url() + options);
         let mut arguments: Vec<OsString> = vec!["--scenario".into(), self.scenario.clone().into()];
         arguments.extend(["--url", &device, "--sim-url", &world].map(OsString::from));
         for change in &self.overrides {

@@ -98,10 +98,14 @@ fn text(scenario: &str, growth: &Growth) -> String {
             row.core_us_per_cycle
         );
     }
-    text += "\ncells  all in lockstep, ticks/s  each: core us per tick\n";
+    text += "\ncells  network             all in lockstep, ticks/s  each: core us per tick\n";
     for row in &growth.cells {
+        let network = match row.one_network {
+            true => "one, with suffixes",
+            false => "ports of its own",
+        };
         text += &format!(
-            "{:5}  {:24.0}  {:22.1}\n",
+            "{:5}  {network:18}  {:24.0}  {:22.1}\n",
             row.cells, row.ticks_per_s, row.core_us_per_tick
         );
     }

@@ -15,10 +15,11 @@ pub(super) fn draw(growth: &Growth, directory: &Path) -> Result<(), FigureError>
         .rates
         .iter()
         .map(|row| (row.cycles_per_s, 1e2 * row.core_share));
-    let cells = growth
-        .cells
-        .iter()
-        .map(|row| (row.cells as f64, row.cells as f64 * row.core_us_per_tick));
+    let cells = |one_network: bool| {
+        let rows = growth.cells.iter().filter(|row| row.one_network == one_network);
+        rows.map(|row| (row.cells as f64, row.cells as f64 * row.core_us_per_tick))
+            .collect()
+    };
     let logs =
         |of: fn(&super::LogRow) -> f64| growth.logs.iter().map(move |row| (row.log_s, of(row))).collect();
     let figures: [(&str, [&'static str; 2], Vec<Curve>); 4] = [
@@ -30,7 +31,10 @@ pub(super) fn draw(growth: &Growth, directory: &Path) -> Result<(), FigureError>
         (
             "cells",
             ["cells on this machine", "all, core us per tick"],
-            vec![("cells in lockstep", BLUE, cells.collect())],
+            vec![
+                ("in lockstep, each on ports of its own", BLUE, cells(false)),
+                ("all on one, with suffixes", RED, cells(true)),
+            ],
         ),
         (
             "log-time",

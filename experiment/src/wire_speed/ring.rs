@@ -131,31 +131,36 @@ fn rate(
     let started = clock::now();
     // A link of its own hears nothing and is not woken up.
     let _cell = Cell::of("memq://", 0, &nodes)?;
-    let (_, first) = next_tick(listening, stop)?;
+    let (_, first) = next_tick(listening, "", stop)?;
     wait_until(first + WARM_UP, stop)?;
-    let (tick, from) = look(&port, stop)?;
+    let (tick, from) = look(&port, "", stop)?;
     wait_until(from + window, stop)?;
-    let (last, until) = look(&port, stop)?;
+    let (last, until) = look(&port, "", stop)?;
     Ok(Rate {
         ticks_per_s: (last - tick) as f64 / (until - from).as_secs_f64(),
         start_up_s: (first - started).as_secs_f64(),
     })
 }
 
-/// The tick that a ring on `port` has come to, and when.
-pub(super) fn look(port: &RunPort, stop: &Receiver<()>) -> Result<(i64, Instant), WireSpeedError> {
-    next_tick(Wire::join(port.port(), LOOK)?, stop)
+/// The tick that a ring on `port`, whose channels end in `suffix`, has come to, and when.
+pub(super) fn look(
+    port: &RunPort,
+    suffix: &str,
+    stop: &Receiver<()>,
+) -> Result<(i64, Instant), WireSpeedError> {
+    next_tick(Wire::join(port.port(), LOOK)?, suffix, stop)
 }
 
 /// The tick of the next `ROBOT_STATE`, and when it came.
-fn next_tick(mut wire: Wire, stop: &Receiver<()>) -> Result<(i64, Instant), WireSpeedError> {
+fn next_tick(mut wire: Wire, suffix: &str, stop: &Receiver<()>) -> Result<(i64, Instant), WireSpeedError> {
+    let states = RobotState::CHANNEL.to_owned() + suffix;
     let give_up = clock::now() + SILENT;
     while clock::now() < give_up {
         wait_until(clock::now(), stop)?;
         let Some((channel, encoding)) = wire.receive()? else {
             continue;
         };
-        if channel == RobotState::CHANNEL.as_bytes()
+        if channel == states.as_bytes()
             && let Some(tick) = datagram::step(encoding)
         {
             return Ok((tick, clock::now()));
