@@ -81,23 +81,25 @@ bits: ## the same bits in release and, emulated, on other CPUs
 		./setup.sh bits cargo test --locked -p experiment --test golden || exit 1; \
 	done
 
+# A Python of its own with a package that something is compared with.
+python := target/python/bin/python
+python_with = [ -e $(python) ] || ./setup.sh test python3 -m venv target/python; \
+	$(python) -c "import $(1)" 2>/dev/null || $(python) -m pip install -q $(1)
+
 bench: ## how fast control cycles, a sweep and the network are on this machine (5 min), the network: docs/network.txt
 	@$(build)
 	@$(touchdown) bench controller elastic_arm
 	@$(touchdown) sweep smoke --fresh --out target/sweep/bench
-	@$(touchdown) bench network >target/network.txt
+	@$(call python_with,lcm)
+	@$(touchdown) bench network --python $(python) >target/network.txt
 	@mv target/network.txt docs/network.txt
 	@cat docs/network.txt
 
-# Where a Python with MuJoCo is, which nothing else needs.
-mujoco := target/mujoco
-
 speed: ## simulation beside MuJoCo, sweeps, nodes, and how costs grow on this machine (5 min): docs/speed.txt, docs/growth-*.svg
 	@$(build)
-	@[ -e $(mujoco)/bin/pip ] || ./setup.sh test python3 -m venv $(mujoco)
-	@$(mujoco)/bin/python -c "import mujoco" 2>/dev/null || $(mujoco)/bin/pip install -q mujoco
+	@$(call python_with,mujoco)
 	@{ $(touchdown) bench simulation paper && $(touchdown) bench simulation elastic_arm && echo && \
-	   $(touchdown) bench mujoco --python $(mujoco)/bin/python && echo && \
+	   $(touchdown) bench mujoco --python $(python) && echo && \
 	   $(touchdown) bench nodes && echo && $(touchdown) bench growth --out docs; } >target/speed.txt
 	@mv target/speed.txt docs/speed.txt
 	@cat docs/speed.txt
