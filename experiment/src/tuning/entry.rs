@@ -162,10 +162,10 @@ impl Tuned {
                 ("scenario", &entry.scenario),
             ];
             text += "\n[[tuned]]\n";
-            // Writing to a string does not fail.
             for (name, value) in quoted {
-                let _ = writeln!(text, "{name} = {value:?}");
+                text += &line(name, value.as_str());
             }
+            // Writing to a string does not fail.
             let _ = writeln!(text, "evaluations = {}\nruns = {}", entry.evaluations, entry.runs);
             let numbers = [
                 ("criterion_default", Some(entry.criterion_default)),
@@ -181,11 +181,18 @@ impl Tuned {
             }
             text += "\n[tuned.values]\n";
             for (key, value) in &entry.values {
-                let _ = writeln!(text, "{key:?} = {value:?}");
+                let key = line(key, 0);
+                let _ = writeln!(text, "{} = {value:?}", key.trim_end_matches(" = 0\n"));
             }
         }
         text
     }
+}
+
+/// `key = value`, both quoted where TOML wants it.
+fn line(key: &str, value: impl Into<toml::Value>) -> String {
+    let table: toml::Table = [(key.to_owned(), value.into())].into_iter().collect();
+    table.to_string()
 }
 
 #[cfg(test)]
@@ -215,8 +222,14 @@ mod tests {
         for law in ["pd", "fzi", "pd"] {
             tuned.put(entry(law));
         }
-        assert_eq!(tuned.tuned.len(), 2);
+        // Characters that Rust writes otherwise than TOML.
+        let mut strange = entry("pd");
+        (strange.scenario, strange.robot) = ("a\u{feff}\u{7f}\n'\"\\.toml".to_owned(), "\u{300}".to_owned());
+        strange.values = [("a\u{feff}\n\"'".to_owned(), 1e-300)].into();
+        tuned.put(strange);
+        assert_eq!(tuned.tuned.len(), 3);
         assert_eq!(Tuned::parse("test", &tuned.to_toml()).unwrap(), tuned);
+        assert_eq!(Tuned::built_in().unwrap().to_toml(), BUILT_IN);
     }
 
     #[test]
