@@ -44,7 +44,9 @@ fn packet(bytes: &[u8]) {
     };
     assert!((1..64).contains(&channel.len()) && bytes.len() == 9 + channel.len() + encoding.len());
     datagram::step(encoding);
-    word::Word::decode(encoding);
+    if let Some(word) = word::Word::decode(encoding) {
+        assert!(word.encode() == encoding);
+    }
     let _ = lcmtypes::check(&String::from_utf8_lossy(channel), encoding);
 }
 
