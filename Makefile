@@ -169,7 +169,7 @@ memory: ## the C below lcmtypes and what is unsafe there, under valgrind, then w
 		./setup.sh memory cargo test --locked -p lcmtypes --lib --test wire
 	@$(asan) cargo test --locked --target x86_64-unknown-linux-gnu -p lcmtypes --lib --test wire
 
-soak: ## 8 h simulated and 20 min in real time: memory, open files and latency at begin and end: docs/soak.txt
+soak: ## 8 h simulated and 20 min in real time (half an hour in all): memory, open files and latency at begin and end: docs/soak.txt
 	@./setup.sh test cargo build --workspace --bins --locked
 	@target/debug/soak >target/soak.txt 2>target/soak.log; status=$$?; mv target/soak.txt docs/soak.txt; cat docs/soak.txt; \
 		exit $$status
