@@ -22,6 +22,13 @@ pub(super) fn new_key() -> (TempDir, PathBuf) {
     (directory, path)
 }
 
+/// A site under a key of its own, otherwise as `setting` says.
+fn under_a_key(setting: Setting<'_>) -> (TempDir, Site) {
+    let (directory, key) = new_key();
+    let key = Some(key.as_path());
+    (directory, Site::start(&Setting { key, ..setting }).unwrap())
+}
+
 /// How often everything is forged, and how many of each forgery are surely counted: datagrams may be lost.
 const ROUNDS: i64 = 100;
 const COUNTED: i64 = ROUNDS / 2;
@@ -130,12 +137,7 @@ fn counts(site: &Site) -> [[i64; 2]; 3] {
 #[test]
 fn a_forger_does_not_disturb_and_is_counted() {
     let _alone = alone();
-    let (_directory, key) = new_key();
-    let mut site = Site::start(&Setting {
-        key: Some(&key),
-        ..patient()
-    })
-    .unwrap();
+    let (_directory, mut site) = under_a_key(patient());
     let forger = Forger::listen(&mut site);
     until_settled(&mut site);
     let before = counts(&site);
@@ -213,17 +215,14 @@ fn requests_are_taken_once(site: &mut Site) {
 #[test]
 fn with_a_key_wrong_bits_are_lost_messages() {
     let _alone = alone();
-    let (_directory, key) = new_key();
-    let mut site = Site::start(&Setting {
+    let (_directory, mut site) = under_a_key(Setting {
         impairment: Impairment {
             corruption: 0.01,
             seed: 7,
             ..Impairment::default()
         },
-        key: Some(&key),
         ..patient()
-    })
-    .unwrap();
+    });
     until_settled(&mut site);
     // The contact itself rings after the impact.
     let mut force_n = 0.0;
@@ -244,12 +243,7 @@ fn with_a_key_wrong_bits_are_lost_messages() {
 #[test]
 fn with_and_without_a_key_nodes_refuse_each_other() {
     let _alone = alone();
-    let (_directory, key) = new_key();
-    let mut site = Site::start(&Setting {
-        key: Some(&key),
-        ..patient()
-    })
-    .unwrap();
+    let (_directory, mut site) = under_a_key(patient());
     site.cell.kill(Role::Controller);
     let with = site.bench.plan.clone();
     let mut without = with.clone();
