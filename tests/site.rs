@@ -122,6 +122,8 @@ pub struct Heard {
     pub modes: Vec<RobotMode>,
     /// Tick of the last command that the robot took, and tick at which it was first seen at rest with a fault.
     pub stopped: Option<[i64; 2]>,
+    /// Age of the oldest command that the robot went on with: ticks since the state that it answers.
+    pub command_age_ticks: i64,
 }
 
 impl Heard {
@@ -141,6 +143,9 @@ impl Heard {
         self.speed_rad_per_s = self.speed_rad_per_s.max(state.axis_velocity.amax());
         if state.mode == RobotMode::Fault && self.stopped.is_none() {
             self.stopped = Some([state.command_step, state.stamp.step]);
+        }
+        if matches!(state.mode, RobotMode::Following | RobotMode::Bridging) {
+            self.command_age_ticks = self.command_age_ticks.max(state.stamp.step - state.command_step);
         }
         if let Some(before) = self.robot {
             // States may be lost.
