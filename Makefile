@@ -114,7 +114,7 @@ hostile: ## what an attacker who holds no key can do in real time, and what come
 	@target/debug/hostile >target/hostile.txt 2>target/hostile.log; status=$$?; \
 		mv target/hostile.txt docs/hostile.txt; cat docs/hostile.txt; exit $$status
 
-fuzz: ## libFuzzer on all that reads bytes from outside, 10^7 executions each (an hour): docs/fuzz.txt
+fuzz: ## libFuzzer on all that reads bytes from outside, 10^7 executions each (an hour on two cores): docs/fuzz.txt
 	@./setup.sh fuzz fuzz/run.sh >target/fuzz.txt; status=$$?; mv target/fuzz.txt docs/fuzz.txt; cat docs/fuzz.txt; exit $$status
 
 doctor: ## is this host fit for LCM over UDP multicast?

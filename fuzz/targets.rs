@@ -139,18 +139,17 @@ fn commands(bytes: &[u8]) {
     }
 }
 
-/// A scenario's file.
+/// A scenario's file; where its first line is an assignment, that overrides it, too.
 fn scenario(bytes: &[u8]) {
     let Ok(text) = str::from_utf8(bytes) else { return };
-    let overrides: Vec<_> = text.lines().take(1).map(str::to_owned).collect();
-    for overrides in [&[][..], &overrides] {
-        match Scenario::parse("a.toml", text, overrides) {
-            Ok(scenario) => {
-                let again = Scenario::parse("b.toml", &scenario.to_toml(), &[]);
-                assert!(again.is_ok_and(|again| again.hash() == scenario.hash()));
-            }
-            Err(error) => assert!(!error.to_string().is_empty()),
+    let first = text.lines().take(1).filter(|line| line.contains('='));
+    let overrides: Vec<_> = first.map(str::to_owned).collect();
+    match Scenario::parse("a.toml", text, &overrides) {
+        Ok(scenario) => {
+            let again = Scenario::parse("b.toml", &scenario.to_toml(), &[]);
+            assert!(again.is_ok_and(|again| again.hash() == scenario.hash()));
         }
+        Err(error) => assert!(!error.to_string().is_empty()),
     }
 }
 

@@ -3,6 +3,7 @@
 use super::{Key, Scenario, error::Refusal, schema::split};
 use std::fmt::{Display, Formatter, Result};
 use std::sync::LazyLock;
+use strsim::levenshtein;
 
 /// The sections of a scenario, in the order of declaration.
 pub(super) fn sections() -> &'static [&'static str] {
@@ -73,26 +74,11 @@ impl Near {
     pub(super) fn to<'a>(name: &str, known: impl IntoIterator<Item = (&'a str, String)>) -> Self {
         let rated = known.into_iter().filter_map(|(known, full)| {
             let limit = (known.len() / 3).max(1);
-            let distance = (name.len().abs_diff(known.len()) <= limit).then(|| distance(name, known))?;
+            let distance = (name.len().abs_diff(known.len()) <= limit).then(|| levenshtein(name, known))?;
             (distance <= limit).then_some((distance, full))
         });
         Self(rated.min_by_key(|(distance, _)| *distance).map(|(_, full)| full))
     }
-}
-
-/// How many letters to insert, delete or replace to get from `a` to `b`.
-fn distance(a: &str, b: &str) -> usize {
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.bytes().enumerate() {
-        let mut diagonal = i;
-        row[0] = i + 1;
-        for (j, y) in b.bytes().enumerate() {
-            let replaced = diagonal + usize::from(x != y);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }
 
 impl Display for Near {

@@ -71,7 +71,8 @@ impl<'a> Reader<'a> {
     }
 
     fn document(&mut self, text: &str) {
-        let place = |span: Range<usize>| locate(self.name, text, span.start);
+        let lines = Lines::of(text);
+        let place = |span: Range<usize>| lines.locate(self.name, span.start);
         let (document, errors) = DeTable::parse_recoverable(text);
         if errors.is_empty() {
             self.table("", document.get_ref(), &place);
@@ -231,13 +232,30 @@ fn syntax(text: &str, error: &toml::de::Error) -> Refusal {
     }
 }
 
-/// Line and column of the byte at `offset`.
-fn locate(name: &str, text: &str, offset: usize) -> Place {
-    let before = text.get(..offset).unwrap_or(text);
-    let line = before.rsplit('\n').next().unwrap_or_default();
-    Place::At(
-        name.to_owned(),
-        before.matches('\n').count() + 1,
-        line.chars().count() + 1,
-    )
+/// A text and where each of its lines begins: every key asks for its place.
+struct Lines<'a> {
+    text: &'a str,
+    starts: Vec<usize>,
+}
+
+impl<'a> Lines<'a> {
+    fn of(text: &'a str) -> Self {
+        let after = text.match_indices('\n').map(|(i, _)| i + 1);
+        Self {
+            text,
+            starts: std::iter::once(0).chain(after).collect(),
+        }
+    }
+
+    /// Line and column of the byte at `offset`.
+    fn locate(&self, name: &str, offset: usize) -> Place {
+        let line = self.starts.partition_point(|&start| start <= offset);
+        let start = self
+            .starts
+            .get(line.saturating_sub(1))
+            .copied()
+            .unwrap_or_default();
+        let before = self.text.get(start..offset).unwrap_or_default();
+        Place::At(name.to_owned(), line, before.chars().count() + 1)
+    }
 }
