@@ -86,23 +86,24 @@ python := target/python/bin/python
 python_with = [ -e $(python) ] || ./setup.sh test python3 -m venv target/python; \
 	$(python) -c "import $(1)" 2>/dev/null || $(python) -m pip install -q $(1)
 
-bench: ## how fast control cycles, a sweep and the network are on this machine (5 min), the network: docs/network.txt
+bench: ## how fast a sweep and the network are on this machine (5 min), the network: docs/network.txt
 	@$(build)
-	@$(touchdown) bench controller elastic_arm
 	@$(touchdown) sweep smoke --fresh --out target/sweep/bench
 	@$(call python_with,lcm)
 	@$(touchdown) bench network --python $(python) >target/network.txt
 	@mv target/network.txt docs/network.txt
 	@cat docs/network.txt
 
-speed: ## simulation beside MuJoCo, sweeps, nodes, and how costs grow on this machine (5 min): docs/speed.txt, docs/growth-*.svg
+speed: ## cycles of all laws, simulation beside MuJoCo, sweeps, nodes, and how costs grow (7 min): docs/cycles.txt, speed.txt, growth-*.svg
 	@$(build)
+	@{ $(touchdown) bench controller paper && $(touchdown) bench controller elastic_arm; } >target/cycles.txt
+	@mv target/cycles.txt docs/cycles.txt
 	@$(call python_with,mujoco)
 	@{ $(touchdown) bench simulation paper && $(touchdown) bench simulation elastic_arm && echo && \
 	   $(touchdown) bench mujoco --python $(python) && echo && \
 	   $(touchdown) bench nodes && echo && $(touchdown) bench growth --out docs; } >target/speed.txt
 	@mv target/speed.txt docs/speed.txt
-	@cat docs/speed.txt
+	@cat docs/cycles.txt docs/speed.txt
 
 faults: ## what goes wrong in real time, when, and what comes of it (10 min): docs/faults.txt
 	@./setup.sh test cargo build --workspace --bins --locked
