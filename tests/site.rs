@@ -131,6 +131,7 @@ impl Heard {
     pub fn mark(&mut self) {
         (self.peak_n, self.speed_rad_per_s, self.stopped) = (0.0, 0.0, None);
         (self.force_n, self.set_point_rad_per_s) = ([f64::INFINITY, f64::NEG_INFINITY], 0.0);
+        self.command_age_ticks = 0;
         self.modes.clear();
     }
 

@@ -78,6 +78,7 @@ fn assert_figures_of_lockstep(setting: &Setting<'_>, check: impl Fn(&Heard)) {
             Err(figure) => missed = format!("{figure}, commands up to {age_ticks} ticks old"),
         }
         assert!(age_ticks > COMMAND_AGE_TICKS, "{missed}");
+        eprintln!("again, since the machine held the controller up: {missed}");
     }
     panic!("in none of ten experiments: {missed}");
 }
